@@ -1,0 +1,283 @@
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::fmt;
+
+use crate::limits::{GREATEST_MAGNITUDE, LEAST_LIMIT};
+
+/// Where in a request something is wrong, written as the caller would write it: `axes[2].limits.max_jerk`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Field(String);
+
+impl Field {
+    /// A field by its name.
+    #[must_use]
+    pub fn named(name: &str) -> Self {
+        Self(name.into())
+    }
+
+    /// Element `index` of a list.
+    #[must_use]
+    pub fn element(list: &str, index: usize) -> Self {
+        Self(alloc::format!("{list}[{index}]"))
+    }
+
+    /// This field as part of `outer`.
+    #[must_use]
+    pub fn within(&self, outer: &Self) -> Self {
+        if self.0.is_empty() {
+            return outer.clone();
+        }
+        Self(alloc::format!("{}.{}", outer.0, self.0))
+    }
+
+    /// The path as text.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Display for Field {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// What is wrong with a field, with the numbers that a caller needs to put it right.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Why {
+    /// NaN, infinite, or too large to compute with.
+    #[error("is {given}: give a finite number of at most {max:e} in magnitude", max = GREATEST_MAGNITUDE)]
+    NotFinite {
+        /// The value.
+        given: f64,
+    },
+    /// A limit that is zero, negative, or too small to compute with.
+    #[error("is {given}: a limit is a magnitude, at least {min:e}; its sign is not needed", min = LEAST_LIMIT)]
+    NotPositive {
+        /// The value.
+        given: f64,
+    },
+    /// A position range without inside.
+    #[error("the range from {min} to {max} is empty: exchange min_position and max_position")]
+    EmptyRange {
+        /// The lower end [axis units].
+        min: f64,
+        /// The upper end [axis units].
+        max: f64,
+    },
+    /// A choice that was not made.
+    #[error("is not set: choose one of {choices}")]
+    Unspecified {
+        /// What there is to choose from.
+        choices: &'static str,
+    },
+    /// A choice that this version does not know.
+    #[error("is {given}, which this version does not know: choose one of {choices}")]
+    UnknownChoice {
+        /// The number on the wire.
+        given: i32,
+        /// What there is to choose from.
+        choices: &'static str,
+    },
+    /// Two axes with one name.
+    #[error("the name {name:?} is taken by an axis before it: give every axis a name of its own")]
+    DuplicateAxis {
+        /// The name.
+        name: String,
+    },
+    /// A name that no axis of the plan has.
+    #[error("no axis is called {name:?}: the plan has {known}")]
+    UnknownAxis {
+        /// The name.
+        name: String,
+        /// Those that there are.
+        known: String,
+    },
+    /// Nothing to move.
+    #[error("is empty: give at least one axis")]
+    NoAxes,
+    /// More axes than a plan holds.
+    #[error("has {given} axes: a plan takes at most {allowed}, so split the request")]
+    TooManyAxes {
+        /// How many were given.
+        given: usize,
+        /// How many a plan holds.
+        allowed: usize,
+    },
+    /// More segments than a plan holds.
+    #[error("has {given} segments: an axis takes at most {allowed}, so split the plan")]
+    TooManySegments {
+        /// How many were given.
+        given: usize,
+        /// How many an axis of a plan holds.
+        allowed: usize,
+    },
+    /// A motion that lasts longer than cycles can be counted.
+    #[error("lasts {seconds:e} s, more cycles than can be counted: raise the limits or lengthen cycle_time")]
+    TooManyCycles {
+        /// The duration [s].
+        seconds: f64,
+    },
+    /// A cycle time out of range.
+    #[error("is {given_ns} ns: a cycle lasts from {min_ns} to {max_ns} ns")]
+    CycleTime {
+        /// The value [ns].
+        given_ns: i128,
+        /// The shortest cycle [ns].
+        min_ns: u64,
+        /// The longest cycle [ns].
+        max_ns: u64,
+    },
+    /// Something that a later version will do.
+    #[error("{what} is not implemented: {instead}")]
+    NotImplemented {
+        /// What was asked.
+        what: &'static str,
+        /// What works today.
+        instead: &'static str,
+    },
+    /// A start state that limits do not allow.
+    #[error("is {given}, beyond {allowed}: begin inside the limit or raise {limit}")]
+    StartOutsideLimits {
+        /// The value.
+        given: f64,
+        /// The nearest value that would do.
+        allowed: f64,
+        /// The limit's field.
+        limit: &'static str,
+    },
+    /// A goal state that limits do not allow.
+    #[error("is {given}, beyond {allowed}: end inside the limit or raise {limit}")]
+    GoalOutsideLimits {
+        /// The value.
+        given: f64,
+        /// The nearest value that would do.
+        allowed: f64,
+        /// The limit's field.
+        limit: &'static str,
+    },
+    /// A motion that would leave the position range.
+    #[error("the motion reaches {reached} at {time} s, beyond {allowed}: stay inside or move {limit}")]
+    PositionLimit {
+        /// The farthest position [axis units].
+        reached: f64,
+        /// When [s].
+        time: f64,
+        /// The end of the range [axis units].
+        allowed: f64,
+        /// The limit's field.
+        limit: &'static str,
+    },
+    /// The way is shorter than the change of velocity needs.
+    #[error(
+        "the path of {given} is too short to change from the start to the end velocity, which needs {needed}: \
+         lengthen it, end at a velocity of {nearest_velocity}, or name a short_path_policy"
+    )]
+    PathTooShort {
+        /// The least length [axis units], with the sign of the travel.
+        needed: f64,
+        /// The length that was given [axis units], signed.
+        given: f64,
+        /// The reachable end velocity nearest to the one asked for [axis units/s].
+        nearest_velocity: f64,
+    },
+}
+
+/// One field and what is wrong with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InvalidField {
+    /// Where.
+    pub field: Field,
+    /// What, and the way out.
+    pub why: Why,
+}
+
+impl InvalidField {
+    /// `why`, said of `field`.
+    #[must_use]
+    pub fn new(field: Field, why: Why) -> Self {
+        Self { field, why }
+    }
+}
+
+impl fmt::Display for InvalidField {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.field.as_str().is_empty() {
+            return write!(f, "{}", self.why);
+        }
+        write!(f, "{}: {}", self.field, self.why)
+    }
+}
+
+/// Everything that is wrong with a request: never empty when it is an error.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InvalidFields(Vec<InvalidField>);
+
+impl InvalidFields {
+    /// One thing that is wrong.
+    #[must_use]
+    pub fn one(field: Field, why: Why) -> Self {
+        Self(alloc::vec![InvalidField::new(field, why)])
+    }
+
+    /// Adds one more.
+    pub fn push(&mut self, invalid: InvalidField) {
+        self.0.push(invalid);
+    }
+
+    /// Adds what is wrong with the field called `name`, if anything is.
+    pub fn note(&mut self, name: &str, why: Option<Why>) {
+        if let Some(why) = why {
+            self.0.push(InvalidField::new(Field::named(name), why));
+        }
+    }
+
+    /// Adds all of `inner`, as parts of the field `outer`.
+    pub fn extend_within(&mut self, outer: &Field, inner: Self) {
+        self.0.extend(inner.0.into_iter().map(|InvalidField { field, why }| InvalidField {
+            field: field.within(outer),
+            why,
+        }));
+    }
+
+    /// Keeps the value of a result, or adds its errors as parts of `outer`.
+    pub fn take<T>(&mut self, outer: &Field, result: Result<T, Self>) -> Option<T> {
+        result.map_err(|inner| self.extend_within(outer, inner)).ok()
+    }
+
+    /// What is wrong, in the order in which it was found.
+    #[must_use]
+    pub fn as_slice(&self) -> &[InvalidField] {
+        &self.0
+    }
+
+    /// Is nothing wrong?
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// `value` if nothing is wrong.
+    ///
+    /// # Errors
+    /// `self`, if anything is.
+    pub fn into_result<T>(self, value: T) -> Result<T, Self> {
+        if self.0.is_empty() { Ok(value) } else { Err(self) }
+    }
+}
+
+impl fmt::Display for InvalidFields {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, invalid) in self.0.iter().enumerate() {
+            if index > 0 {
+                f.write_str("; ")?;
+            }
+            write!(f, "{invalid}")?;
+        }
+        Ok(())
+    }
+}
+
+impl core::error::Error for InvalidFields {}

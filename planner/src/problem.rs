@@ -1,0 +1,150 @@
+use crate::error::{Field, InvalidFields, Why};
+use crate::limits::not_finite;
+use crate::{Limits, ShortPathPolicy, State};
+
+/// One axis's question: from `start` to `goal` within `limits`, each checked against the others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Problem {
+    start: State,
+    goal: State,
+    limits: Limits,
+    short_path: ShortPathPolicy,
+}
+
+impl Problem {
+    /// Asks for the move from `start` to `goal`. Velocities may be up to the cruise speed and point along the travel;
+    /// accelerations are zero at both ends. Positions stay within ±1e60, as all numbers do.
+    ///
+    /// # Errors
+    /// Every field of `start` and `goal` that is not finite or not within `limits`, and what only a general solver can
+    /// do: velocities against the travel, accelerations at the ends, deceleration unlike acceleration.
+    pub fn new(
+        start: State,
+        goal: State,
+        limits: Limits,
+        short_path: ShortPathPolicy,
+    ) -> Result<Self, InvalidFields> {
+        let mut invalid = InvalidFields::default();
+        finite(&mut invalid, "start", &start);
+        finite(&mut invalid, "goal", &goal);
+        if invalid.is_empty() {
+            within_limits(&mut invalid, "start", &start, &limits);
+            within_limits(&mut invalid, "goal", &goal, &limits);
+        }
+        if invalid.is_empty() {
+            passable(&mut invalid, &start, &goal, &limits);
+        }
+        invalid.into_result(Self { start, goal, limits, short_path })
+    }
+
+    /// Where the motion begins.
+    #[must_use]
+    pub fn start(&self) -> State {
+        self.start
+    }
+
+    /// Where it is asked to end.
+    #[must_use]
+    pub fn goal(&self) -> State {
+        self.goal
+    }
+
+    /// What the axis may do on the way.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// What to give up when the path is too short.
+    #[must_use]
+    pub fn short_path(&self) -> ShortPathPolicy {
+        self.short_path
+    }
+
+    /// The distance to go [axis units], signed.
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        self.goal.position - self.start.position
+    }
+
+    /// 1 where the travel is towards larger positions, −1 where it is towards smaller ones.
+    #[must_use]
+    pub fn direction(&self) -> f64 {
+        direction(&self.start, &self.goal)
+    }
+}
+
+/// The sign of the travel: of the distance, or where there is none, of whichever velocity there is.
+fn direction(start: &State, goal: &State) -> f64 {
+    let backward = [goal.position - start.position, start.velocity, goal.velocity]
+        .into_iter()
+        .find(|&sign| sign != 0.0)
+        .is_some_and(|sign| sign < 0.0);
+    if backward { -1.0 } else { 1.0 }
+}
+
+fn finite(invalid: &mut InvalidFields, name: &str, state: &State) {
+    let mut inner = InvalidFields::default();
+    inner.note("position", not_finite(state.position));
+    inner.note("velocity", not_finite(state.velocity));
+    inner.note("acceleration", not_finite(state.acceleration));
+    invalid.extend_within(&Field::named(name), inner);
+}
+
+/// Which of the two ends a refusal is about.
+fn outside(end: &str, given: f64, allowed: f64, limit: &'static str) -> Why {
+    match end {
+        "start" => Why::StartOutsideLimits { given, allowed, limit },
+        _ => Why::GoalOutsideLimits { given, allowed, limit },
+    }
+}
+
+fn within_limits(invalid: &mut InvalidFields, end: &str, state: &State, limits: &Limits) {
+    let mut inner = InvalidFields::default();
+    let State { position, velocity, acceleration } = *state;
+    let clamped = position.max(limits.min_position()).min(limits.max_position());
+    if position < clamped {
+        inner.note("position", Some(outside(end, position, clamped, "limits.min_position")));
+    } else if position > clamped {
+        inner.note("position", Some(outside(end, position, clamped, "limits.max_position")));
+    }
+    let fastest = limits.velocity_towards(velocity);
+    let cruise = limits.cruise_towards(velocity);
+    if velocity.abs() > fastest {
+        let backward = velocity < 0.0 && limits.spec().max_velocity_reverse.is_some();
+        let limit = if backward { "limits.max_velocity_reverse" } else { "limits.max_velocity" };
+        inner.note("velocity", Some(outside(end, velocity, fastest.copysign(velocity), limit)));
+    } else if velocity.abs() > cruise {
+        inner.note("velocity", Some(outside(end, velocity, cruise.copysign(velocity), "limits.feed_rate")));
+    }
+    if acceleration != 0.0 {
+        let instead = "begin and end with an acceleration of zero";
+        let what = "an acceleration at the start or the goal";
+        inner.note("acceleration", Some(Why::NotImplemented { what, instead }));
+    }
+    invalid.extend_within(&Field::named(end), inner);
+}
+
+/// Is there a way in the direction of travel, for the solver that there is?
+fn passable(invalid: &mut InvalidFields, start: &State, goal: &State, limits: &Limits) {
+    let direction = direction(start, goal);
+    for (end, state) in [("start.velocity", start), ("goal.velocity", goal)] {
+        if state.velocity * direction < 0.0 {
+            let what = "a velocity against the direction of travel";
+            let instead = "begin and end with velocities that point from the start to the goal";
+            invalid.note(end, Some(Why::NotImplemented { what, instead }));
+        }
+    }
+    let distance = goal.position - start.position;
+    if distance != 0.0 && limits.velocity_towards(direction) == 0.0 {
+        let (given, allowed) = (goal.position, start.position);
+        let limit = "limits.max_velocity_reverse";
+        invalid.note("goal.position", Some(Why::GoalOutsideLimits { given, allowed, limit }));
+    }
+    #[expect(clippy::float_cmp, reason = "the same number given twice is the same limit")]
+    if limits.deceleration() != limits.acceleration() {
+        let what = "a deceleration unlike the acceleration";
+        let instead = "give max_deceleration the value of max_acceleration, or leave it out";
+        invalid.note("limits.max_deceleration", Some(Why::NotImplemented { what, instead }));
+    }
+}

@@ -1,0 +1,117 @@
+use alloc::vec::Vec;
+
+use crate::{Segment, Setpoint, State};
+
+/// One axis's motion: segments that follow each other from time zero, and the state in which it rests or drifts after.
+///
+/// Whether the segments join, and whether they keep any limit, is for [`verify`](crate::verify) to say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    segments: Vec<Segment>,
+    /// When each segment begins [s]: the running sum of the durations, in order.
+    begins: Vec<f64>,
+    duration: f64,
+    end: State,
+}
+
+impl Profile {
+    /// The motion through `segments`, which ends in exactly `end`.
+    #[must_use]
+    pub fn new(segments: Vec<Segment>, end: State) -> Self {
+        let mut duration = 0.0;
+        let begins = segments
+            .iter()
+            .map(|segment| {
+                let begin = duration;
+                duration += segment.duration;
+                begin
+            })
+            .collect();
+        Self { segments, begins, duration, end }
+    }
+
+    /// The pieces, in order; none where nothing moves.
+    #[must_use]
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// Each piece with the time at which it begins [s].
+    pub fn timed_segments(&self) -> impl Iterator<Item = (f64, &Segment)> {
+        self.begins.iter().copied().zip(&self.segments)
+    }
+
+    /// How long the motion lasts [s].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// The state before the motion.
+    #[must_use]
+    pub fn start(&self) -> State {
+        self.segments.first().map_or(self.end, |first| first.start)
+    }
+
+    /// The state at the end, exactly.
+    #[must_use]
+    pub fn end(&self) -> State {
+        self.end
+    }
+
+    /// The setpoint at time `t` [s]: the start before zero, and exactly the end from `duration` on, so that an axis that
+    /// has arrived never creeps.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Setpoint {
+        Cursor::new(self).at(t)
+    }
+
+    /// The same motion with `more` after it.
+    #[must_use]
+    pub fn followed_by(&self, more: &Profile) -> Self {
+        let mut segments = self.segments.clone();
+        segments.extend_from_slice(&more.segments);
+        Self::new(segments, more.end)
+    }
+}
+
+/// Reads a [`Profile`] at times that mostly go forward, without searching from the beginning each time.
+///
+/// The answer depends on the time alone, never on what was asked before: replicas that start in the middle get the
+/// same bits.
+#[derive(Clone, Debug)]
+pub struct Cursor<'a> {
+    profile: &'a Profile,
+    index: usize,
+}
+
+impl<'a> Cursor<'a> {
+    /// At the beginning of `profile`.
+    #[must_use]
+    pub fn new(profile: &'a Profile) -> Self {
+        Self { profile, index: 0 }
+    }
+
+    /// As [`Profile::at`].
+    #[inline]
+    pub fn at(&mut self, t: f64) -> Setpoint {
+        let Profile { segments, begins, duration, end } = self.profile;
+        // Also for NaN: nothing moves.
+        let inside = t < *duration;
+        if !inside {
+            return Setpoint::held(*end);
+        }
+        if t < 0.0 {
+            return Setpoint::held(self.profile.start());
+        }
+        if begins[self.index] > t {
+            self.index = begins.partition_point(|&begin| begin <= t) - 1;
+        } else if begins.get(self.index + 1).is_some_and(|&next| next <= t) {
+            self.index += 1;
+            if begins.get(self.index + 1).is_some_and(|&next| next <= t) {
+                self.index = begins.partition_point(|&begin| begin <= t) - 1;
+            }
+        }
+        segments[self.index].at(t - begins[self.index])
+    }
+}

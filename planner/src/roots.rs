@@ -1,0 +1,52 @@
+//! Real roots of small polynomials; has not heard of motion.
+
+use arrayvec::ArrayVec;
+
+use crate::float::sqrt;
+
+/// The root of `a·x + b`, if `a ≠ 0`.
+pub(crate) fn linear(a: f64, b: f64) -> Option<f64> {
+    #[expect(clippy::float_cmp, reason = "a slope is zero or it is not: a tiny one has a far root")]
+    (a != 0.0).then(|| -b / a)
+}
+
+/// The real roots of `a·x² + b·x + c`, in no order; none where every `x` is one.
+///
+/// Takes the sum of like signs in the numerator and gets the other root from the product of both, so that neither
+/// loses digits to cancellation (Press et al., Numerical Recipes, §5.6).
+pub(crate) fn quadratic(a: f64, b: f64, c: f64) -> ArrayVec<f64, 2> {
+    let mut roots = ArrayVec::new();
+    if a == 0.0 {
+        roots.extend(linear(b, c));
+        return roots;
+    }
+    let discriminant = b * b - 4.0 * a * c;
+    if discriminant < 0.0 {
+        return roots;
+    }
+    let q = -0.5 * (b + if b < 0.0 { -sqrt(discriminant) } else { sqrt(discriminant) });
+    roots.push(q / a);
+    if q != 0.0 {
+        roots.push(c / q);
+    }
+    roots
+}
+
+/// The root of an increasing, convex function by Newton's method from `start`, which is at or above it.
+///
+/// `value_and_slope` gives both at `x`. From above, the iterates of an increasing convex function only fall; the
+/// first that does not fall has met the rounding of the function, and the last is returned. So there is no bracket, no
+/// tolerance and no count: on the functions solved here it takes at most eight steps over ten decades.
+pub(crate) fn fall_to_root(start: f64, value_and_slope: impl Fn(f64) -> (f64, f64)) -> f64 {
+    let mut x = start;
+    loop {
+        let (value, slope) = value_and_slope(x);
+        let next = x - value / slope;
+        // Also false for NaN, so that the loop ends whatever was given.
+        let falls = next < x && next >= 0.0;
+        if !falls {
+            return x;
+        }
+        x = next;
+    }
+}

@@ -1,0 +1,219 @@
+//! From a problem to a motion. Reads like the outline of the papers: which lane is it, is it too short, solve it, lay the
+//! pieces end to end.
+
+mod nearest;
+mod pieces;
+mod ramp;
+mod s_curve;
+
+use arrayvec::ArrayVec;
+
+use crate::classify::{Classification, EightType};
+use crate::error::{Field, InvalidFields, Why};
+use crate::{Problem, Profile, Quantity, Segment, Setpoint, ShortPathPolicy, State};
+use s_curve::{Lane, Shape};
+
+/// The most pieces of a planned move: three to speed up, one to cruise, three to slow down.
+pub const MAX_PIECES: usize = 7;
+
+/// The answer to a [`Problem`]: pieces on the stack, and everything that is not as it was asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Move {
+    segments: ArrayVec<Segment, MAX_PIECES>,
+    reached: State,
+    adjustments: ArrayVec<Adjustment, 2>,
+    classification: Classification,
+}
+
+/// One condition that the plan does not meet as asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adjustment {
+    /// What was changed.
+    pub quantity: Quantity,
+    /// The value that was asked for, in the unit of the quantity.
+    pub asked: f64,
+    /// The value in the plan.
+    pub planned: f64,
+    /// Why.
+    pub reason: AdjustmentReason,
+}
+
+/// Why an [`Adjustment`] was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AdjustmentReason {
+    /// The path is too short for the end velocity; by policy it became the start velocity, or ± a²/j from it.
+    PathTooShortStartVelocity,
+    /// The path is too short for the end velocity; by policy it became the nearest reachable one.
+    PathTooShortNearestVelocity,
+    /// The feed rate is above the velocity limit, which holds.
+    FeedRateAboveLimit,
+}
+
+impl Move {
+    /// The pieces, in order; none where nothing moves.
+    #[must_use]
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// How long the motion lasts [s].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.segments.iter().map(|segment| segment.duration).sum()
+    }
+
+    /// The state at the end: the goal, but for what the adjustments say.
+    #[must_use]
+    pub fn reached(&self) -> State {
+        self.reached
+    }
+
+    /// What is not as asked; empty where everything is.
+    #[must_use]
+    pub fn adjustments(&self) -> &[Adjustment] {
+        &self.adjustments
+    }
+
+    /// The shape's names in the papers.
+    #[must_use]
+    pub fn classification(&self) -> Classification {
+        self.classification
+    }
+
+    /// The setpoint at time `t` [s], with the bits of [`Profile::at`] and without its allocation.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Setpoint {
+        let mut begin = 0.0;
+        for segment in &self.segments {
+            let next = begin + segment.duration;
+            if t < next {
+                return if t < 0.0 { Setpoint::held(segment.start) } else { segment.at(t - begin) };
+            }
+            begin = next;
+        }
+        Setpoint::held(self.reached)
+    }
+
+    /// The motion as a profile of its own.
+    #[must_use]
+    pub fn to_profile(&self) -> Profile {
+        Profile::new(self.segments.to_vec(), self.reached)
+    }
+}
+
+/// The time-optimal jerk-limited move of one axis in the direction of travel.
+///
+/// Optimal among all motions within the limits that keep the end conditions and do not turn back, but for one corner:
+/// where one end is nearly at rest (below 0.16 of the other, or (√2 − 1)²·a²/j), stopping on the way needs up to 1.3 %
+/// less length than the direct ramp; those far slower motions are not sought (`notes/0003-eight-types.md`).
+///
+/// ```
+/// # use planner::{plan_move, Limits, Problem, ShortPathPolicy, State};
+/// let limits = Limits::symmetric(0.25, 3.0, 100.0)?;
+/// let problem = Problem::new(State::at_rest(0.0), State::at_rest(0.05), limits, ShortPathPolicy::Reject)?;
+/// assert!((plan_move(&problem)?.duration() - 0.94 / 3.0).abs() < 1e-15); // s/v + v/a + a/j
+/// # Ok::<(), planner::InvalidFields>(())
+/// ```
+///
+/// # Errors
+/// [`Why::PathTooShort`] under [`ShortPathPolicy::Reject`]; [`Why::NotImplemented`] for [`ShortPathPolicy::Reverse`]
+/// where the path is too short.
+pub fn plan_move(problem: &Problem) -> Result<Move, InvalidFields> {
+    let direction = problem.direction();
+    let limits = problem.limits();
+    let lane = Lane {
+        start: problem.start().velocity.abs(),
+        end: problem.goal().velocity.abs(),
+        length: problem.distance().abs(),
+        cruise: limits.cruise_towards(direction),
+        acceleration: limits.acceleration(),
+        jerk: limits.jerk(),
+    };
+    let mut adjustments = ArrayVec::new();
+    let fastest = limits.velocity_towards(direction);
+    if let Some(asked) = limits.spec().feed_rate.filter(|&feed_rate| feed_rate > fastest) {
+        let reason = AdjustmentReason::FeedRateAboveLimit;
+        adjustments.push(Adjustment { quantity: Quantity::Velocity, asked, planned: fastest, reason });
+    }
+    let (shape, reason) = shape(&lane, problem.short_path()).map_err(|refusal| refusal.of(&lane, direction))?;
+    let mut reached = problem.goal();
+    if let Some(reason) = reason {
+        reached.velocity = signed(direction, shape.end);
+        let (asked, planned) = (problem.goal().velocity, reached.velocity);
+        adjustments.push(Adjustment { quantity: Quantity::Velocity, asked, planned, reason });
+    }
+    let segments = pieces::lay(&shape, problem.start(), reached, direction, lane.jerk);
+    let classification = Classification {
+        eight_type: (!segments.is_empty()).then_some(shape.kind),
+        feed_rate: if segments.is_empty() { lane.start } else { shape.peak },
+    };
+    Ok(Move { segments, reached, adjustments, classification })
+}
+
+/// Why there is no shape.
+enum Refusal {
+    TooShort,
+    NeedsReversal,
+}
+
+impl Refusal {
+    fn of(&self, lane: &Lane, direction: f64) -> InvalidFields {
+        let why = match self {
+            Self::TooShort => Why::PathTooShort {
+                needed: direction * lane.least_length(),
+                given: signed(direction, lane.length),
+                nearest_velocity: signed(direction, nearest::solve(lane).end),
+            },
+            Self::NeedsReversal => Why::NotImplemented {
+                what: "short_path_policy REVERSE on a path that is too short",
+                instead: "choose REJECT, NEAREST_VELOCITY or MATCH_START_VELOCITY",
+            },
+        };
+        InvalidFields::one(Field::named("goal.velocity"), why)
+    }
+}
+
+/// The shape of a lane, and why its end speed is not the one asked for, if it is not.
+fn shape(lane: &Lane, policy: ShortPathPolicy) -> Result<(Shape, Option<AdjustmentReason>), Refusal> {
+    if policy == ShortPathPolicy::MatchStartVelocity {
+        return Ok(as_the_paper_does(lane));
+    }
+    if !lane.is_too_short() {
+        return Ok((lane.solve(), None));
+    }
+    match policy {
+        ShortPathPolicy::NearestVelocity => {
+            Ok((nearest::solve(lane), Some(AdjustmentReason::PathTooShortNearestVelocity)))
+        }
+        ShortPathPolicy::Reverse => Err(Refusal::NeedsReversal),
+        ShortPathPolicy::Reject | ShortPathPolicy::MatchStartVelocity => Err(Refusal::TooShort),
+    }
+}
+
+/// The modification of the end velocity in Bui, Le and Doan (2021), with its contradictions resolved: where the speeds
+/// differ by more than a²/j and the type is not 1 to 5, the end speed first moves to a²/j from the start speed, once; if
+/// the path is still too short it becomes the start speed, and the cruise speed goes on to hold.
+fn as_the_paper_does(lane: &Lane) -> (Shape, Option<AdjustmentReason>) {
+    let reason = Some(AdjustmentReason::PathTooShortStartVelocity);
+    let mut lane = *lane;
+    let mut adjusted = None;
+    let corner = lane.acceleration * lane.acceleration / lane.jerk;
+    if (lane.start - lane.end).abs() > corner {
+        let kept = (!lane.is_too_short()).then(|| lane.solve());
+        if let Some(shape) = kept.filter(|shape| !matches!(shape.kind, EightType::Type6 | EightType::Type7)) {
+            return (shape, None);
+        }
+        lane.end = if lane.end > lane.start { lane.start + corner } else { lane.start - corner };
+        adjusted = reason;
+    }
+    if lane.is_too_short() {
+        lane.end = lane.start;
+        return (Shape { kind: EightType::Type8B, ..lane.solve() }, reason);
+    }
+    (lane.solve(), adjusted)
+}
+
+/// `magnitude` in the direction of travel, without a negative zero.
+fn signed(direction: f64, magnitude: f64) -> f64 {
+    direction * magnitude + 0.0
+}

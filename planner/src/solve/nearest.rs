@@ -1,0 +1,107 @@
+//! The reachable end speed closest to the one asked for, where the path is too short to keep it: one monotone ramp.
+//!
+//! Upwards the length of a ramp grows with its end speed, so there is one answer. Downwards it does not: braking from `v`
+//! takes longest to an end speed of `v/3` (or `a²/2j` where the acceleration limit is reached), so the speeds that a
+//! short path cannot reach are an interval, and the nearest reachable one is at its upper or its lower end.
+
+use super::ramp::Ramp;
+use super::s_curve::{Lane, Shape};
+use crate::classify::EightType;
+use crate::float::{largest, least, sqrt};
+use crate::roots::fall_to_root;
+
+/// The nearest end speed [axis units/s] and the ramp to it, for a lane that is too short.
+pub(super) fn solve(lane: &Lane) -> Shape {
+    if lane.end >= lane.start {
+        let (change, ramp) = up(lane);
+        return shape(lane.start + change, lane.start + change, ramp, Ramp::default());
+    }
+    let upper = down_upper(lane);
+    let lower = down_lower(lane).filter(|lower| {
+        (lane.start - lower.0 - lane.end).abs() < (lane.start - upper.0 - lane.end).abs()
+    });
+    let (change, ramp) = lower.unwrap_or(upper);
+    shape(lane.start, largest(0.0, lane.start - change), Ramp::default(), ramp)
+}
+
+fn shape(peak: f64, end: f64, up: Ramp, down: Ramp) -> Shape {
+    Shape { up, cruise: 0.0, down, peak, end, kind: EightType::Type8C }
+}
+
+/// A change of speed and its ramp.
+type Change = (f64, Ramp);
+
+/// Speeding up by `d`: `(v + d/2)·t(d) = length`, which grows with `d`.
+fn up(lane: &Lane) -> Change {
+    let Lane { start, length, acceleration, jerk, .. } = *lane;
+    let corner = acceleration * acceleration / jerk;
+    if length >= lane.ramp_length(start, start + corner) {
+        // Ladder: d²/2a + b·d = r.
+        let jerk_time = acceleration / jerk;
+        let rest = largest(0.0, length - start * jerk_time);
+        let b = start / acceleration + 0.5 * jerk_time;
+        let change = 2.0 * rest / (b + sqrt(b * b + 2.0 * rest / acceleration));
+        return (change, Ramp::ladder(change, acceleration, jerk));
+    }
+    // Triangle, with q = √d: q³ + 2v·q = length·√j.
+    let root_of_jerk = sqrt(jerk);
+    let rest = length * root_of_jerk;
+    let bound = least(libm::cbrt(rest), rest / (2.0 * start));
+    let root = fall_to_root(bound, |q| (q * (q * q + 2.0 * start) - rest, 3.0 * q * q + 2.0 * start));
+    triangle(root, root_of_jerk)
+}
+
+/// Slowing down to the upper end of what cannot be reached: the rising branch of the ramp's length.
+fn down_upper(lane: &Lane) -> Change {
+    let Lane { start, length, acceleration, jerk, .. } = *lane;
+    let corner = acceleration * acceleration / jerk;
+    let peak_is_ladder = start >= 1.5 * corner;
+    if peak_is_ladder && length > (start - 0.5 * corner) * 2.0 * acceleration / jerk {
+        let (b, rest, discriminant) = ladder_down(lane);
+        let change = 2.0 * rest / (b + sqrt(discriminant));
+        return (change, Ramp::ladder(change, acceleration, jerk));
+    }
+    let (scale, angle) = triangle_down(lane);
+    triangle(scale * libm::sin(angle), sqrt(jerk))
+}
+
+/// Slowing down to the lower end of what cannot be reached, if there is one: the falling branch.
+fn down_lower(lane: &Lane) -> Option<Change> {
+    let Lane { start, length, acceleration, jerk, .. } = *lane;
+    if length < lane.ramp_length(start, 0.0) {
+        return None;
+    }
+    let corner = acceleration * acceleration / jerk;
+    let falls_as_ladder = start > corner
+        && (start >= 1.5 * corner || length < (start - 0.5 * corner) * 2.0 * acceleration / jerk);
+    if falls_as_ladder {
+        let (b, _, discriminant) = ladder_down(lane);
+        let change = least(start, acceleration * (b + sqrt(discriminant)));
+        return Some((change, Ramp::ladder(change, acceleration, jerk)));
+    }
+    let (scale, angle) = triangle_down(lane);
+    let root = scale * libm::sin(core::f64::consts::FRAC_PI_3 - angle);
+    Some(triangle(least(root, sqrt(start)), sqrt(jerk)))
+}
+
+/// Ladder: `d²/2a − b·d + r = 0`; gives `b`, `r` and `b² − 2r/a`.
+fn ladder_down(lane: &Lane) -> (f64, f64, f64) {
+    let Lane { start, length, acceleration, jerk, .. } = *lane;
+    let jerk_time = acceleration / jerk;
+    let b = start / acceleration - 0.5 * jerk_time;
+    let rest = length - start * jerk_time;
+    (b, rest, largest(0.0, b * b - 2.0 * rest / acceleration))
+}
+
+/// Triangle, with `q = √d`: `2v·q − q³ = length·√j`, whose roots in reach are `scale·sin(angle)` and
+/// `scale·sin(π/3 − angle)`.
+fn triangle_down(lane: &Lane) -> (f64, f64) {
+    let p = 2.0 * lane.start;
+    let third = sqrt(p / 3.0);
+    let sine = 1.5 * lane.length * sqrt(lane.jerk) / (p * third);
+    (2.0 * third, libm::asin(least(1.0, sine)) / 3.0)
+}
+
+fn triangle(root: f64, root_of_jerk: f64) -> Change {
+    (root * root, Ramp::triangle(root, root_of_jerk))
+}

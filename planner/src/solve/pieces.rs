@@ -1,0 +1,53 @@
+use arrayvec::ArrayVec;
+
+use super::ramp::Ramp;
+use super::s_curve::Shape;
+use super::{MAX_PIECES, signed};
+use crate::{Law, Segment, State};
+
+/// Lays the pieces of a shape end to end, from `start` to `reached`.
+///
+/// Up to the cruise they are laid forward from the start, after it backward from the end, each relative to its own end:
+/// both ends are met to the last bit, and what rounding there is meets in the middle.
+pub(super) fn lay(
+    shape: &Shape,
+    start: State,
+    reached: State,
+    direction: f64,
+    jerk: f64,
+) -> ArrayVec<Segment, MAX_PIECES> {
+    let Shape { up, cruise, down, peak, .. } = *shape;
+    let jerk = direction * jerk;
+    let mut segments = ArrayVec::new();
+    let mut lay = |duration: f64, origin: f64, from: State, jerk: f64| {
+        if duration > 0.0 {
+            let position = origin + from.position;
+            let start = State { position, ..from };
+            segments.push(Segment { duration, start, law: Law::ConstantJerk(jerk + 0.0) });
+        }
+    };
+
+    let Ramp { jerk_time, hold_time } = up;
+    let first = State { position: 0.0, ..start };
+    let second = first.after(jerk, jerk_time);
+    let third = second.after(0.0, hold_time);
+    lay(jerk_time, start.position, first, jerk);
+    lay(hold_time, start.position, second, 0.0);
+    lay(jerk_time, start.position, third, -jerk);
+
+    let top = State {
+        position: third.after(-jerk, jerk_time).position,
+        velocity: signed(direction, peak),
+        acceleration: 0.0,
+    };
+    lay(cruise, start.position, top, 0.0);
+
+    let Ramp { jerk_time, hold_time } = down;
+    let seventh = State { position: 0.0, ..reached }.after(jerk, -jerk_time);
+    let sixth = seventh.after(0.0, -hold_time);
+    let fifth = State { acceleration: 0.0, ..sixth.after(-jerk, -jerk_time) };
+    lay(jerk_time, reached.position, fifth, -jerk);
+    lay(hold_time, reached.position, sixth, 0.0);
+    lay(jerk_time, reached.position, seventh, jerk);
+    segments
+}
