@@ -236,10 +236,12 @@ impl InvalidFields {
 
     /// Adds all of `inner`, as parts of the field `outer`.
     pub fn extend_within(&mut self, outer: &Field, inner: Self) {
-        self.0.extend(inner.0.into_iter().map(|InvalidField { field, why }| InvalidField {
-            field: field.within(outer),
-            why,
-        }));
+        self.0.extend(
+            inner
+                .0
+                .into_iter()
+                .map(|InvalidField { field, why }| InvalidField { field: field.within(outer), why }),
+        );
     }
 
     /// Keeps the value of a result, or adds its errors as parts of `outer`.

@@ -25,8 +25,7 @@ impl Problem {
         short_path: ShortPathPolicy,
     ) -> Result<Self, InvalidFields> {
         let mut invalid = InvalidFields::default();
-        finite(&mut invalid, "start", &start);
-        finite(&mut invalid, "goal", &goal);
+        note_not_finite(&mut invalid, &start, &goal);
         if invalid.is_empty() {
             within_limits(&mut invalid, "start", &start, &limits);
             within_limits(&mut invalid, "goal", &goal, &limits);
@@ -81,6 +80,12 @@ fn direction(start: &State, goal: &State) -> f64 {
         .find(|&sign| sign != 0.0)
         .is_some_and(|sign| sign < 0.0);
     if backward { -1.0 } else { 1.0 }
+}
+
+/// Reports every number of both ends that is not finite.
+pub(crate) fn note_not_finite(invalid: &mut InvalidFields, start: &State, goal: &State) {
+    finite(invalid, "start", start);
+    finite(invalid, "goal", goal);
 }
 
 fn finite(invalid: &mut InvalidFields, name: &str, state: &State) {

@@ -14,3 +14,16 @@ pub enum Quantity {
     /// [s]
     Time,
 }
+
+impl core::fmt::Display for Quantity {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Position => "position",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::Jerk => "jerk",
+            Self::Snap => "snap",
+            Self::Time => "time",
+        })
+    }
+}

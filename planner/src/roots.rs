@@ -6,7 +6,6 @@ use crate::float::sqrt;
 
 /// The root of `a·x + b`, if `a ≠ 0`.
 pub(crate) fn linear(a: f64, b: f64) -> Option<f64> {
-    #[expect(clippy::float_cmp, reason = "a slope is zero or it is not: a tiny one has a far root")]
     (a != 0.0).then(|| -b / a)
 }
 

@@ -48,6 +48,12 @@ impl State {
         Self { position: -self.position, velocity: -self.velocity, acceleration: -self.acceleration }
     }
 
+    /// Neither moving nor accelerating?
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.velocity == 0.0 && self.acceleration == 0.0
+    }
+
     /// Neither NaN nor infinite in any part.
     #[must_use]
     pub fn is_finite(&self) -> bool {

@@ -10,7 +10,8 @@ use arrayvec::ArrayVec;
 
 use crate::classify::{Classification, EightType};
 use crate::error::{Field, InvalidFields, Why};
-use crate::{Problem, Profile, Quantity, Segment, Setpoint, ShortPathPolicy, State};
+use crate::{Limits, Problem, Profile, Quantity, Segment, Setpoint, ShortPathPolicy, State};
+use ramp::Ramp;
 use s_curve::{Lane, Shape};
 
 /// The most pieces of a planned move: three to speed up, one to cruise, three to slow down.
@@ -47,6 +48,29 @@ pub enum AdjustmentReason {
     PathTooShortNearestVelocity,
     /// The feed rate is above the velocity limit, which holds.
     FeedRateAboveLimit,
+    /// The plan ends at speed, and a stop was put after it.
+    ClosingStop,
+}
+
+impl AdjustmentReason {
+    /// Every reason.
+    pub const ALL: [Self; 4] = [
+        Self::PathTooShortStartVelocity,
+        Self::PathTooShortNearestVelocity,
+        Self::FeedRateAboveLimit,
+        Self::ClosingStop,
+    ];
+
+    /// The name on the wire.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PathTooShortStartVelocity => "PATH_TOO_SHORT_START_VELOCITY",
+            Self::PathTooShortNearestVelocity => "PATH_TOO_SHORT_NEAREST_VELOCITY",
+            Self::FeedRateAboveLimit => "FEED_RATE_ABOVE_LIMIT",
+            Self::ClosingStop => "CLOSING_STOP",
+        }
+    }
 }
 
 impl Move {
@@ -135,7 +159,8 @@ pub fn plan_move(problem: &Problem) -> Result<Move, InvalidFields> {
         let reason = AdjustmentReason::FeedRateAboveLimit;
         adjustments.push(Adjustment { quantity: Quantity::Velocity, asked, planned: fastest, reason });
     }
-    let (shape, reason) = shape(&lane, problem.short_path()).map_err(|refusal| refusal.of(&lane, direction))?;
+    let (shape, reason) =
+        shape(&lane, problem.short_path()).map_err(|refusal| refusal.of(&lane, direction))?;
     let mut reached = problem.goal();
     if let Some(reason) = reason {
         reached.velocity = signed(direction, shape.end);
@@ -148,6 +173,48 @@ pub fn plan_move(problem: &Problem) -> Result<Move, InvalidFields> {
         feed_rate: if segments.is_empty() { lane.start } else { shape.peak },
     };
     Ok(Move { segments, reached, adjustments, classification })
+}
+
+/// The fastest stop from a constant speed, within `limits`.
+///
+/// # Errors
+/// [`Why::PositionLimit`] where it leaves the position range; [`Why::NotImplemented`] from an acceleration.
+pub fn plan_stop(from: State, limits: &Limits) -> Result<Move, InvalidFields> {
+    if from.acceleration != 0.0 {
+        let what = "a stop while accelerating";
+        let instead = "stop from a constant speed";
+        return Err(InvalidFields::one(Field::default(), Why::NotImplemented { what, instead }));
+    }
+    let direction = if from.velocity < 0.0 { -1.0 } else { 1.0 };
+    let speed = from.velocity.abs();
+    let (deceleration, jerk) = (limits.deceleration(), limits.jerk());
+    let down = Ramp::over(speed, deceleration, jerk);
+    let length = ramp::length(speed, 0.0, deceleration, jerk);
+    let reached = State::at_rest(from.position + direction * length);
+    within_range(reached.position, down.time(), limits)?;
+    let kind = EightType::of(false, false, ramp::reaches(speed, deceleration, jerk));
+    let shape = Shape { up: Ramp::default(), cruise: 0.0, down, peak: speed, end: 0.0, kind };
+    Ok(Move {
+        segments: pieces::lay(&shape, from, reached, direction, jerk),
+        reached,
+        adjustments: ArrayVec::new(),
+        classification: Classification { eight_type: None, feed_rate: speed },
+    })
+}
+
+/// Is `reached` inside the position range?
+fn within_range(reached: f64, time: f64, limits: &Limits) -> Result<(), InvalidFields> {
+    let refuse = |allowed, limit| {
+        let why = Why::PositionLimit { reached, time, allowed, limit };
+        Err(InvalidFields::one(Field::default(), why))
+    };
+    if reached > limits.max_position() {
+        refuse(limits.max_position(), "limits.max_position")
+    } else if reached < limits.min_position() {
+        refuse(limits.min_position(), "limits.min_position")
+    } else {
+        Ok(())
+    }
 }
 
 /// Why there is no shape.

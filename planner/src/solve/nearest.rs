@@ -17,9 +17,8 @@ pub(super) fn solve(lane: &Lane) -> Shape {
         return shape(lane.start + change, lane.start + change, ramp, Ramp::default());
     }
     let upper = down_upper(lane);
-    let lower = down_lower(lane).filter(|lower| {
-        (lane.start - lower.0 - lane.end).abs() < (lane.start - upper.0 - lane.end).abs()
-    });
+    let lower = down_lower(lane)
+        .filter(|lower| (lane.start - lower.0 - lane.end).abs() < (lane.start - upper.0 - lane.end).abs());
     let (change, ramp) = lower.unwrap_or(upper);
     shape(lane.start, largest(0.0, lane.start - change), Ramp::default(), ramp)
 }

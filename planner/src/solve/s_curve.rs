@@ -103,8 +103,8 @@ impl Lane {
         let Self { acceleration, jerk, .. } = *self;
         let (faster, sum, gap) = self.ends();
         let jerk_time = acceleration / jerk;
-        let rest = self.length
-            - (faster * jerk_time + 0.5 * sum * gap / acceleration + 0.5 * sum * jerk_time);
+        let rest =
+            self.length - (faster * jerk_time + 0.5 * sum * gap / acceleration + 0.5 * sum * jerk_time);
         let b = 2.0 * faster / acceleration + jerk_time;
         let change = 2.0 * rest / (b + sqrt(b * b + 4.0 * rest / acceleration));
         Rise { change, root: sqrt(change) }

@@ -1,0 +1,61 @@
+use crate::error::{Field, InvalidFields, Why};
+
+/// The time between two setpoints: a whole number of nanoseconds from 10 µs to 1 s.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CycleTime {
+    ns: u64,
+}
+
+/// The last cycle that can be counted: every number up to it is a double of its own.
+pub const LAST_CYCLE: u64 = 1 << 53;
+
+/// Of a cycle [1]: a motion that ends this much after a cycle ends on it. The roundings of a duration are worth as much.
+const END_SLACK: f64 = 4.0 * f64::EPSILON;
+
+impl CycleTime {
+    /// One millisecond.
+    pub const MILLISECOND: Self = Self { ns: 1_000_000 };
+    const MIN_NS: u64 = 10_000;
+    const MAX_NS: u64 = 1_000_000_000;
+
+    /// A cycle of `ns` nanoseconds; `None` is one millisecond.
+    ///
+    /// # Errors
+    /// [`Why::CycleTime`] outside 10 µs to 1 s.
+    pub fn from_ns(ns: Option<i128>) -> Result<Self, InvalidFields> {
+        let Some(given_ns) = ns else { return Ok(Self::MILLISECOND) };
+        let fits = u64::try_from(given_ns).ok().filter(|ns| (Self::MIN_NS..=Self::MAX_NS).contains(ns));
+        fits.map(|ns| Self { ns }).ok_or_else(|| {
+            let why = Why::CycleTime { given_ns, min_ns: Self::MIN_NS, max_ns: Self::MAX_NS };
+            InvalidFields::one(Field::named("cycle_time"), why)
+        })
+    }
+
+    /// The length of a cycle [ns].
+    #[must_use]
+    pub fn as_ns(self) -> u64 {
+        self.ns
+    }
+
+    /// The length of a cycle [s].
+    #[must_use]
+    pub fn as_seconds(self) -> f64 {
+        self.start_of(1)
+    }
+
+    /// When cycle `cycle` is due, counted from cycle 0 [s]: one rounding for the product, one for the quotient, so that it
+    /// depends on nothing but the two integers.
+    #[must_use]
+    #[inline]
+    pub fn start_of(self, cycle: u64) -> f64 {
+        cycle as f64 * self.ns as f64 / 1e9
+    }
+
+    /// The first cycle at or after `duration` [s]: the one at which a motion of that length has ended. `None` beyond
+    /// [`LAST_CYCLE`].
+    #[must_use]
+    pub fn count(self, duration: f64) -> Option<u64> {
+        let cycles = libm::ceil(duration * 1e9 / self.ns as f64 * (1.0 - END_SLACK));
+        (cycles >= 0.0 && cycles <= LAST_CYCLE as f64).then_some(cycles as u64)
+    }
+}

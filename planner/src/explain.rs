@@ -1,0 +1,81 @@
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use crate::plan::{AxisPlan, Plan};
+use crate::{Limits, Quantity, Segment};
+
+/// Of a limit [1]: this near to it counts as held back by it.
+const BINDING_SLACK: f64 = 1e-9;
+
+/// Why a plan lasts as long as it does.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Explanation {
+    /// The axis that sets the duration.
+    pub critical_axis: String,
+    /// Which limit holds the motion back, when; in order of time for each axis.
+    pub bindings: Vec<Binding>,
+}
+
+/// One limit that holds one axis back for a while.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Binding {
+    /// The axis.
+    pub axis: String,
+    /// The quantity whose limit is reached.
+    pub quantity: Quantity,
+    /// From when [s].
+    pub from_time: f64,
+    /// Until when [s].
+    pub to_time: f64,
+}
+
+/// Says which limits a plan reaches, when, and which axis takes longest.
+#[must_use]
+pub fn explain(plan: &Plan) -> Explanation {
+    let slowest = plan.axes().iter().fold(None, |slowest: Option<&AxisPlan>, axis| match slowest {
+        Some(other) if other.profile.duration() >= axis.profile.duration() => slowest,
+        _ => Some(axis),
+    });
+    Explanation {
+        critical_axis: slowest.map(|axis| axis.axis.clone()).unwrap_or_default(),
+        bindings: plan.axes().iter().flat_map(bindings).collect(),
+    }
+}
+
+fn bindings(axis: &AxisPlan) -> Vec<Binding> {
+    let mut bindings: Vec<Binding> = Vec::new();
+    for (from_time, segment) in axis.profile.timed_segments() {
+        let Some(quantity) = binding(segment, &axis.limits) else { continue };
+        let to_time = from_time + segment.duration;
+        match bindings.last_mut() {
+            #[expect(
+                clippy::float_cmp,
+                reason = "the next piece begins at the very number at which this one ended"
+            )]
+            Some(last) if last.quantity == quantity && last.to_time == from_time => last.to_time = to_time,
+            _ => bindings.push(Binding { axis: axis.axis.clone(), quantity, from_time, to_time }),
+        }
+    }
+    bindings
+}
+
+/// The limit that one piece is held at from end to end: the lowest derivative that stays at its limit.
+fn binding(segment: &Segment, limits: &Limits) -> Option<Quantity> {
+    let (start, end) = (segment.at(0.0), segment.at(segment.duration));
+    let reaches = |value: f64, limit: f64| value.abs() >= limit * (1.0 - BINDING_SLACK);
+    let throughout = |value: fn(&crate::Setpoint) -> f64, limit: f64| {
+        reaches(value(&start), limit) && reaches(value(&end), limit)
+    };
+    let cruise = limits.cruise_towards(start.state.velocity);
+    let slows_down = start.state.acceleration * start.state.velocity < 0.0;
+    let hardest = if slows_down { limits.deceleration() } else { limits.acceleration() };
+    if start.jerk == 0.0 && throughout(|setpoint| setpoint.state.velocity, cruise) {
+        Some(Quantity::Velocity)
+    } else if throughout(|setpoint| setpoint.state.acceleration, hardest) {
+        Some(Quantity::Acceleration)
+    } else if throughout(|setpoint| setpoint.jerk, limits.jerk()) {
+        Some(Quantity::Jerk)
+    } else {
+        None
+    }
+}

@@ -1,0 +1,242 @@
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use crate::error::{Field, InvalidFields, Why};
+use crate::request::{AxisKind, AxisMove, Family, Request, Synchronization};
+use crate::solve::{Adjustment, AdjustmentReason, plan_move, plan_stop};
+use crate::{Classification, Cursor, CycleTime, Limits, Profile, Quantity, Setpoint, ShortPathPolicy, State};
+
+/// How a plan was made, so that an operation on it can be planned the same way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Method {
+    /// The family of shapes.
+    pub family: Family,
+    /// The order of the profile: its highest bounded derivative.
+    pub order: u32,
+    /// What was to be given up on a path too short.
+    pub short_path: ShortPathPolicy,
+    /// How the axes go together.
+    pub synchronization: Synchronization,
+    /// Stretched to a whole number of cycles?
+    pub end_on_cycle: bool,
+}
+
+/// One axis's motion, with what was asked and what was planned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisPlan {
+    /// The axis's name.
+    pub axis: String,
+    /// What it moves in.
+    pub kind: AxisKind,
+    /// What it may do on the way.
+    pub limits: Limits,
+    /// The motion; it ends in the state that is reached.
+    pub profile: Profile,
+    /// The end that was asked for.
+    pub goal: State,
+    /// What is not as asked; empty where everything is.
+    pub adjustments: Vec<Adjustment>,
+    /// The shape's names in the papers.
+    pub classification: Classification,
+}
+
+/// The motion of one or more axes over one time base. Whether it is any good is for [`certify`](crate::certify) to say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    method: Method,
+    guaranteed: Vec<Quantity>,
+    cycle_time: CycleTime,
+    cycle_count: u64,
+    duration: f64,
+    axes: Vec<AxisPlan>,
+}
+
+impl Plan {
+    /// Puts axes onto one time base. `guaranteed` names the derivatives that are kept within limits.
+    ///
+    /// # Errors
+    /// No axis, more than [`MAX_AXES`](crate::MAX_AXES), a name that is there twice, more cycles than can be counted.
+    pub fn new(
+        method: Method,
+        guaranteed: Vec<Quantity>,
+        cycle_time: CycleTime,
+        axes: Vec<AxisPlan>,
+    ) -> Result<Self, InvalidFields> {
+        let mut invalid = InvalidFields::default();
+        if axes.is_empty() {
+            invalid.note("axes", Some(Why::NoAxes));
+        }
+        if axes.len() > crate::MAX_AXES {
+            invalid.note("axes", Some(Why::TooManyAxes { given: axes.len(), allowed: crate::MAX_AXES }));
+            return Err(invalid);
+        }
+        crate::request::note_duplicates(&mut invalid, axes.iter().map(|axis| axis.axis.as_str()));
+        let duration = axes.iter().map(|axis| axis.profile.duration()).fold(0.0, f64::max);
+        let cycle_count = cycle_time.count(duration);
+        if cycle_count.is_none() {
+            invalid.note("axes", Some(Why::TooManyCycles { seconds: duration }));
+        }
+        let cycle_count = cycle_count.unwrap_or_default();
+        invalid.into_result(Self { method, guaranteed, cycle_time, cycle_count, duration, axes })
+    }
+
+    /// How the plan was made.
+    #[must_use]
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// The derivatives that are kept within limits.
+    #[must_use]
+    pub fn guaranteed(&self) -> &[Quantity] {
+        &self.guaranteed
+    }
+
+    /// Is `quantity` kept within limits?
+    #[must_use]
+    pub fn guarantees(&self, quantity: Quantity) -> bool {
+        self.guaranteed.contains(&quantity)
+    }
+
+    /// The time between two setpoints.
+    #[must_use]
+    pub fn cycle_time(&self) -> CycleTime {
+        self.cycle_time
+    }
+
+    /// Cycles 0 ..= this one: the last is the end state.
+    #[must_use]
+    pub fn cycle_count(&self) -> u64 {
+        self.cycle_count
+    }
+
+    /// How long the slowest axis moves [s].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// The axes, in the order of the request.
+    #[must_use]
+    pub fn axes(&self) -> &[AxisPlan] {
+        &self.axes
+    }
+
+    /// Does every axis rest at the end?
+    #[must_use]
+    pub fn ends_at_rest(&self) -> bool {
+        self.axes.iter().all(|axis| axis.profile.end().is_at_rest())
+    }
+
+    /// Reads setpoints cycle by cycle.
+    #[must_use]
+    pub fn sampler(&self) -> Sampler<'_> {
+        let cursors = self.axes.iter().map(|axis| Cursor::new(&axis.profile)).collect();
+        Sampler { cycle_time: self.cycle_time, cursors }
+    }
+
+    /// The same motion with a jerk-limited stop after it, for a plan that ends at speed; and the first cycle of that
+    /// stop. `None` where the plan ends at rest.
+    ///
+    /// # Errors
+    /// [`Why::PositionLimit`] where the stop leaves the position range.
+    pub fn with_closing_stop(&self) -> Result<Option<(Self, u64)>, InvalidFields> {
+        if self.ends_at_rest() {
+            return Ok(None);
+        }
+        let mut invalid = InvalidFields::default();
+        let mut axes = Vec::with_capacity(self.axes.len());
+        for (index, axis) in self.axes.iter().enumerate() {
+            axes.extend(invalid.take(&Field::element("axes", index), axis.with_closing_stop()));
+        }
+        if !invalid.is_empty() {
+            return Err(invalid);
+        }
+        let stopped = Self::new(self.method, self.guaranteed.clone(), self.cycle_time, axes)?;
+        Ok(Some((stopped, self.cycle_count)))
+    }
+}
+
+impl AxisPlan {
+    fn with_closing_stop(&self) -> Result<Self, InvalidFields> {
+        let end = self.profile.end();
+        if end.is_at_rest() {
+            return Ok(self.clone());
+        }
+        let stop = plan_stop(end, &self.limits)?;
+        let rest = stop.reached();
+        let reason = AdjustmentReason::ClosingStop;
+        let (goal, mut adjustments) = (self.goal, self.adjustments.clone());
+        adjustments.push(Adjustment {
+            quantity: Quantity::Position,
+            asked: goal.position,
+            planned: rest.position,
+            reason,
+        });
+        adjustments.push(Adjustment {
+            quantity: Quantity::Velocity,
+            asked: goal.velocity,
+            planned: rest.velocity,
+            reason,
+        });
+        Ok(Self { profile: self.profile.followed_by(&stop.to_profile()), adjustments, ..self.clone() })
+    }
+}
+
+/// Reads the setpoints of a [`Plan`]. The answer depends on the cycle alone, never on what was read before.
+#[derive(Clone, Debug)]
+pub struct Sampler<'a> {
+    cycle_time: CycleTime,
+    cursors: Vec<Cursor<'a>>,
+}
+
+impl Sampler<'_> {
+    /// The setpoints of all axes at `cycle`, in plan order.
+    pub fn at(&mut self, cycle: u64) -> impl Iterator<Item = Setpoint> {
+        let time = self.cycle_time.start_of(cycle);
+        self.cursors.iter_mut().map(move |cursor| cursor.at(time))
+    }
+
+    /// The setpoints of axis number `axis` at `cycles`, appended column by column.
+    pub fn columns(&mut self, axis: usize, cycles: core::ops::Range<u64>, mut put: impl FnMut(Setpoint)) {
+        let cursor = &mut self.cursors[axis];
+        for cycle in cycles {
+            put(cursor.at(self.cycle_time.start_of(cycle)));
+        }
+    }
+}
+
+/// Plans every axis of a request.
+///
+/// # Errors
+/// Those of [`plan_move`] for each axis, all at once, with the axis in the path; more cycles than can be counted.
+pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
+    let mut invalid = InvalidFields::default();
+    let mut axes = Vec::with_capacity(request.axes().len());
+    for (index, AxisMove { axis, kind, problem }) in request.axes().iter().enumerate() {
+        let Some(planned) = invalid.take(&Field::element("axes", index), plan_move(problem)) else {
+            continue;
+        };
+        axes.push(AxisPlan {
+            axis: axis.clone(),
+            kind: *kind,
+            limits: problem.limits().clone(),
+            profile: planned.to_profile(),
+            goal: problem.goal(),
+            adjustments: planned.adjustments().to_vec(),
+            classification: planned.classification(),
+        });
+    }
+    if !invalid.is_empty() {
+        return Err(invalid);
+    }
+    let method = Method {
+        family: Family::SCurve,
+        order: 3,
+        short_path: request.short_path(),
+        synchronization: request.synchronization(),
+        end_on_cycle: false,
+    };
+    let guaranteed = alloc::vec![Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk];
+    Plan::new(method, guaranteed, request.cycle_time(), axes)
+}

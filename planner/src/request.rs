@@ -1,0 +1,256 @@
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use crate::error::{Field, InvalidFields, Why};
+use crate::limits::not_finite;
+use crate::{CycleTime, Limits, LimitsSpec, Problem, ShortPathPolicy, State};
+
+/// The most axes of one plan.
+pub const MAX_AXES: usize = 64;
+
+/// What an axis moves in: says the unit of its positions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AxisKind {
+    /// Metres.
+    Prismatic,
+    /// Radians.
+    Revolute,
+    /// Pulses of an encoder or a drive.
+    Pulses,
+}
+
+/// The family of shapes that a profile is taken from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Family {
+    /// Third order: constant jerk in pieces.
+    #[default]
+    SCurve,
+    /// Second order: constant acceleration in pieces.
+    Trapezoidal,
+    /// Order n, rest to rest.
+    Polynomial,
+    /// Raised-cosine jerk, rest to rest.
+    Trigonometric,
+}
+
+/// How the axes of one plan go together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Synchronization {
+    /// Each axis moves on its own time and then rests.
+    None,
+    /// All axes arrive together.
+    #[default]
+    Time,
+    /// All axes keep to a straight line.
+    Phase,
+}
+
+/// One axis's part of a request, not yet checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisMoveSpec {
+    /// The axis's name, unique in the request.
+    pub axis: String,
+    /// What it moves in, or why that cannot be told.
+    pub kind: Result<AxisKind, Why>,
+    /// Where it begins.
+    pub start: State,
+    /// Where it is asked to end.
+    pub goal: State,
+    /// What it may do on the way.
+    pub limits: LimitsSpec,
+}
+
+/// A request as somebody states it, not yet checked. A choice that could not be read is kept as its refusal, so that
+/// [`Request::try_from`] can report everything at once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RequestSpec {
+    /// The axes, in the order that the plan keeps.
+    pub axes: Vec<AxisMoveSpec>,
+    /// The time between two setpoints [ns]; `None`: 1 ms.
+    pub cycle_time_ns: Option<i128>,
+    /// The family of shapes.
+    pub family: Result<Family, Why>,
+    /// The order of a polynomial.
+    pub order: Option<u32>,
+    /// What to give up when a path is too short.
+    pub short_path: Result<ShortPathPolicy, Why>,
+    /// How the axes go together.
+    pub synchronization: Result<Synchronization, Why>,
+    /// The least duration of the plan [s].
+    pub minimum_duration: Option<f64>,
+    /// Stretch to a whole number of cycles?
+    pub end_on_cycle: bool,
+}
+
+/// One axis's question, with its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisMove {
+    /// The axis's name.
+    pub axis: String,
+    /// What it moves in.
+    pub kind: AxisKind,
+    /// From where to where, within which limits.
+    pub problem: Problem,
+}
+
+/// A question about one or more axes that has been checked, and that this planner can answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    axes: Vec<AxisMove>,
+    cycle_time: CycleTime,
+    short_path: ShortPathPolicy,
+    synchronization: Synchronization,
+}
+
+impl Request {
+    /// The axes, one or more, with names of their own.
+    #[must_use]
+    pub fn axes(&self) -> &[AxisMove] {
+        &self.axes
+    }
+
+    /// The time between two setpoints.
+    #[must_use]
+    pub fn cycle_time(&self) -> CycleTime {
+        self.cycle_time
+    }
+
+    /// What to give up when a path is too short.
+    #[must_use]
+    pub fn short_path(&self) -> ShortPathPolicy {
+        self.short_path
+    }
+
+    /// How the axes go together.
+    #[must_use]
+    pub fn synchronization(&self) -> Synchronization {
+        self.synchronization
+    }
+}
+
+impl TryFrom<RequestSpec> for Request {
+    type Error = InvalidFields;
+
+    fn try_from(spec: RequestSpec) -> Result<Self, InvalidFields> {
+        let RequestSpec {
+            axes,
+            cycle_time_ns,
+            family,
+            order,
+            short_path,
+            synchronization,
+            minimum_duration,
+            end_on_cycle,
+        } = spec;
+        let mut invalid = InvalidFields::default();
+        let several = axes.len() > 1;
+        invalid.note("family", family.clone().err().or(family.ok().and_then(family_gap)));
+        invalid.note("order", order.map(order_gap));
+        invalid.note("minimum_duration", minimum_duration.map(minimum_duration_gap));
+        invalid.note("end_on_cycle", end_on_cycle.then(end_on_cycle_gap));
+        let policy = *short_path.as_ref().unwrap_or(&ShortPathPolicy::Reject);
+        invalid.note("short_path_policy", short_path.err());
+        let mode = *synchronization.as_ref().unwrap_or(&Synchronization::None);
+        invalid.note("synchronization", synchronization.err().or(synchronization_gap(mode, several)));
+        let cycle_time = invalid.take(&Field::default(), CycleTime::from_ns(cycle_time_ns));
+        let axes = checked_axes(&mut invalid, axes, policy);
+        match cycle_time {
+            Some(cycle_time) if invalid.is_empty() => {
+                Ok(Self { axes, cycle_time, short_path: policy, synchronization: mode })
+            }
+            _ => Err(invalid),
+        }
+    }
+}
+
+fn checked_axes(
+    invalid: &mut InvalidFields,
+    specs: Vec<AxisMoveSpec>,
+    policy: ShortPathPolicy,
+) -> Vec<AxisMove> {
+    let given = specs.len();
+    if given == 0 {
+        invalid.note("axes", Some(Why::NoAxes));
+    }
+    if given > MAX_AXES {
+        // The rest of what is wrong would drown this.
+        invalid.note("axes", Some(Why::TooManyAxes { given, allowed: MAX_AXES }));
+        return Vec::new();
+    }
+    note_duplicates(invalid, specs.iter().map(|spec| spec.axis.as_str()));
+    let several = given > 1;
+    let mut axes = Vec::with_capacity(given);
+    for (index, spec) in specs.into_iter().enumerate() {
+        let outer = Field::element("axes", index);
+        axes.extend(invalid.take(&outer, checked_axis(spec, policy, several)));
+    }
+    axes
+}
+
+/// Reports every axis whose name was taken before it.
+pub(crate) fn note_duplicates<'a>(invalid: &mut InvalidFields, names: impl Iterator<Item = &'a str> + Clone) {
+    for (index, name) in names.clone().enumerate() {
+        if names.clone().take(index).any(|before| before == name) {
+            let field = Field::named("axis").within(&Field::element("axes", index));
+            invalid.note(field.as_str(), Some(Why::DuplicateAxis { name: name.into() }));
+        }
+    }
+}
+
+fn checked_axis(
+    spec: AxisMoveSpec,
+    policy: ShortPathPolicy,
+    several: bool,
+) -> Result<AxisMove, InvalidFields> {
+    let AxisMoveSpec { axis, kind, start, goal, limits } = spec;
+    let mut invalid = InvalidFields::default();
+    let kind = kind.map_err(|why| invalid.note("kind", Some(why))).ok();
+    if several && goal.velocity != 0.0 {
+        let what = "a goal at speed for one of several axes";
+        let instead = "end every axis at rest, or plan each axis by itself";
+        invalid.note("goal.velocity", Some(Why::NotImplemented { what, instead }));
+    }
+    let problem = match Limits::try_from(limits) {
+        Ok(limits) => invalid.take(&Field::default(), Problem::new(start, goal, limits, policy)),
+        Err(inner) => {
+            invalid.extend_within(&Field::named("limits"), inner);
+            crate::problem::note_not_finite(&mut invalid, &start, &goal);
+            None
+        }
+    };
+    match (kind, problem) {
+        (Some(kind), Some(problem)) if invalid.is_empty() => Ok(AxisMove { axis, kind, problem }),
+        _ => Err(invalid),
+    }
+}
+
+fn family_gap(family: Family) -> Option<Why> {
+    let what = match family {
+        Family::SCurve => return None,
+        Family::Trapezoidal => "the family TRAPEZOIDAL",
+        Family::Polynomial => "the family POLYNOMIAL",
+        Family::Trigonometric => "the family TRIGONOMETRIC",
+    };
+    Some(Why::NotImplemented { what, instead: "choose S_CURVE" })
+}
+
+fn order_gap(_: u32) -> Why {
+    Why::NotImplemented { what: "an order", instead: "leave it out: the family S_CURVE has order 3" }
+}
+
+fn minimum_duration_gap(given: f64) -> Why {
+    let instead = "leave it out: the plan takes the least time";
+    not_finite(given).unwrap_or(Why::NotImplemented { what: "a minimum duration", instead })
+}
+
+fn end_on_cycle_gap() -> Why {
+    let instead = "leave it out: the plan's last cycle is its end state, up to one cycle after the end";
+    Why::NotImplemented { what: "ending on a whole cycle", instead }
+}
+
+fn synchronization_gap(mode: Synchronization, several: bool) -> Option<Why> {
+    (several && mode != Synchronization::None).then_some(Why::NotImplemented {
+        what: "synchronization of several axes",
+        instead: "choose SYNCHRONIZATION_NONE: each axis ends by itself and rests",
+    })
+}

@@ -1,0 +1,394 @@
+//! The judge: recomputes from the segments alone what a motion does, and holds it against what it promises.
+//!
+//! Shares no code with the solvers: it sees pieces, limits and the state that is to be reached, nothing of how they were
+//! found. Extremes are taken where they can be (the ends of a piece and the zeros of velocity and acceleration inside
+//! it), not at samples.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use crate::plan::{AxisPlan, Plan};
+use crate::{Limits, Profile, Quantity, Segment, Setpoint, State};
+
+/// Of a limit [1]: what a motion may be beyond it, since its pieces are rounded.
+pub const LIMIT_TOLERANCE: f64 = 1e-9;
+/// Of the scale of a motion (its extent, its fastest, its hardest) [1]: what two pieces may be apart where they join.
+pub const JOIN_TOLERANCE: f64 = 1e-10;
+/// Units in the last place of the largest position: what positions far from zero may be apart besides.
+const POSITION_ULPS: f64 = 8.0;
+
+/// What the judge found, for all axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Certificate {
+    /// One for each axis and limited quantity.
+    pub limits: Vec<LimitCheck>,
+    /// One for each axis and each of position, velocity, acceleration.
+    pub joins: Vec<JoinCheck>,
+    /// One for each axis and each of position, velocity, acceleration.
+    pub ends: Vec<EndCheck>,
+}
+
+/// The extreme of one quantity on one axis, against its limit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LimitCheck {
+    /// The axis.
+    pub axis: String,
+    /// The quantity.
+    pub quantity: Quantity,
+    /// The limit that is nearest to being broken [unit of the quantity]: a magnitude, but for positions.
+    pub limit: f64,
+    /// The extreme value, signed.
+    pub extremum: f64,
+    /// When it is taken [s].
+    pub at_time: f64,
+    /// How far it is inside [1]: (limit − |extremum|) / limit; for positions, of the extent of the motion.
+    pub margin: f64,
+    /// Does the plan promise to keep it? If not, it is reported and not counted.
+    pub guaranteed: bool,
+}
+
+/// The worst jump of one quantity where pieces join.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JoinCheck {
+    /// The axis.
+    pub axis: String,
+    /// The quantity.
+    pub quantity: Quantity,
+    /// The jump [unit of the quantity], a magnitude.
+    pub worst_jump: f64,
+    /// What it may be.
+    pub allowed: f64,
+    /// Where it is [s].
+    pub at_time: f64,
+    /// Does the plan promise that it joins?
+    pub guaranteed: bool,
+}
+
+/// How far the last piece ends from the state that is to be reached.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EndCheck {
+    /// The axis.
+    pub axis: String,
+    /// The quantity.
+    pub quantity: Quantity,
+    /// How far [unit of the quantity], a magnitude.
+    pub residual: f64,
+    /// What it may be.
+    pub allowed: f64,
+}
+
+/// One thing that a motion promises and does not keep.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Violation {
+    /// A limit is broken.
+    Limit(LimitCheck),
+    /// Two pieces do not join.
+    Join(JoinCheck),
+    /// The end is not reached.
+    End(EndCheck),
+}
+
+impl Certificate {
+    /// Nothing that is promised is broken.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        self.limits.iter().all(LimitCheck::passed)
+            && self.joins.iter().all(JoinCheck::passed)
+            && self.ends.iter().all(EndCheck::passed)
+    }
+
+    /// Everything that is promised and broken.
+    pub fn violations(&self) -> impl Iterator<Item = Violation> {
+        let limits = self.limits.iter().filter(|check| !check.passed()).cloned().map(Violation::Limit);
+        let joins = self.joins.iter().filter(|check| !check.passed()).cloned().map(Violation::Join);
+        let ends = self.ends.iter().filter(|check| !check.passed()).cloned().map(Violation::End);
+        joins.chain(limits).chain(ends)
+    }
+}
+
+// Each comparison is false for NaN, so that what cannot be computed does not pass.
+impl LimitCheck {
+    /// Kept, or not promised.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        !self.guaranteed || self.margin >= -LIMIT_TOLERANCE
+    }
+}
+
+impl JoinCheck {
+    /// Joined, or not promised.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        !self.guaranteed || self.worst_jump <= self.allowed
+    }
+}
+
+impl EndCheck {
+    /// Reached.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        self.residual <= self.allowed
+    }
+}
+
+impl core::fmt::Display for Violation {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Limit(LimitCheck { axis, quantity, limit, extremum, at_time, .. }) => {
+                write!(f, "axis {axis}: {quantity} reaches {extremum} at {at_time} s, the limit is {limit}")
+            }
+            Self::Join(JoinCheck { axis, quantity, worst_jump, allowed, at_time, .. }) => {
+                write!(
+                    f,
+                    "axis {axis}: {quantity} jumps by {worst_jump} at {at_time} s, allowed is {allowed}"
+                )
+            }
+            Self::End(EndCheck { axis, quantity, residual, allowed }) => {
+                write!(
+                    f,
+                    "axis {axis}: {quantity} ends {residual} from where it should, allowed is {allowed}"
+                )
+            }
+        }
+    }
+}
+
+/// Judges a plan by its own limits and goals.
+#[must_use]
+pub fn certify(plan: &Plan) -> Certificate {
+    let mut certificate = Certificate::default();
+    for axis in plan.axes() {
+        let goal = axis.goal_to_reach();
+        certificate.judge(&axis.axis, &axis.profile, &axis.limits, goal, plan.guaranteed());
+    }
+    certificate
+}
+
+/// Judges a plan by other limits or goals: one pair for each axis, in plan order.
+#[must_use]
+pub fn certify_against<'a>(
+    plan: &Plan,
+    against: impl IntoIterator<Item = (&'a Limits, State)>,
+) -> Certificate {
+    let mut certificate = Certificate::default();
+    for (axis, (limits, goal)) in plan.axes().iter().zip(against) {
+        certificate.judge(&axis.axis, &axis.profile, limits, goal, plan.guaranteed());
+    }
+    certificate
+}
+
+impl AxisPlan {
+    /// The end to hold the motion against: the goal, but for what adjustments say of it.
+    #[must_use]
+    pub fn goal_to_reach(&self) -> State {
+        let mut state = self.goal;
+        for adjustment in &self.adjustments {
+            match adjustment.quantity {
+                Quantity::Position => state.position = adjustment.planned,
+                // The feed rate is a speed on the way.
+                Quantity::Velocity if adjustment.reason == crate::AdjustmentReason::FeedRateAboveLimit => {}
+                Quantity::Velocity => state.velocity = adjustment.planned,
+                Quantity::Acceleration => state.acceleration = adjustment.planned,
+                Quantity::Jerk | Quantity::Snap | Quantity::Time => {}
+            }
+        }
+        state
+    }
+}
+
+impl Certificate {
+    /// Adds what one axis's motion does: its extremes, its joins, and how near it ends to `goal`.
+    fn judge(
+        &mut self,
+        axis: &str,
+        profile: &Profile,
+        limits: &Limits,
+        goal: State,
+        guaranteed: &[Quantity],
+    ) {
+        let guarantees = |quantity| guaranteed.contains(&quantity);
+        let extremes = Extremes::of(profile, limits);
+        self.limits.extend(extremes.worst(limits).map(|(quantity, worst)| {
+            let Worst { margin, limit, extremum, at_time } = worst;
+            // A position range is promised by being stated.
+            let guaranteed = quantity == Quantity::Position || guarantees(quantity);
+            LimitCheck { axis: axis.into(), quantity, limit, extremum, at_time, margin, guaranteed }
+        }));
+        let allowed = extremes.allowed(&goal);
+        let last = profile.segments().last().map_or(profile.end(), Segment::end);
+        for quantity in [Quantity::Position, Quantity::Velocity, Quantity::Acceleration] {
+            let of = |state: &State| part(state, quantity);
+            let (worst_jump, at_time) = worst_jump(profile, of);
+            let allowed = of(&allowed);
+            // A jump in acceleration is an unlimited jerk.
+            let guaranteed = quantity != Quantity::Acceleration || guarantees(Quantity::Jerk);
+            let join = JoinCheck { axis: axis.into(), quantity, worst_jump, allowed, at_time, guaranteed };
+            self.joins.push(join);
+            let (end, goal) = (of(&profile.end()), of(&goal));
+            let residual = largest((of(&last) - end).abs(), (end - goal).abs());
+            self.ends.push(EndCheck { axis: axis.into(), quantity, residual, allowed });
+        }
+    }
+}
+
+fn part(state: &State, quantity: Quantity) -> f64 {
+    match quantity {
+        Quantity::Position => state.position,
+        Quantity::Velocity => state.velocity,
+        _ => state.acceleration,
+    }
+}
+
+/// The largest difference at a join, and when; before the first piece and after the last nothing is joined.
+fn worst_jump(profile: &Profile, of: impl Fn(&State) -> f64) -> (f64, f64) {
+    let ends = profile.segments().iter().map(|segment| of(&segment.end()));
+    let begins = profile.timed_segments().skip(1);
+    ends.zip(begins)
+        .map(|(end, (time, next))| ((of(&next.start) - end).abs(), time))
+        .fold((0.0, 0.0), |worst, jump| if jump.0 <= worst.0 { worst } else { jump })
+}
+
+/// The larger of two magnitudes; NaN where one is, so that what cannot be computed is not passed.
+fn largest(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
+/// The value of a quantity that is nearest to breaking its limit, or farthest beyond it.
+#[derive(Clone, Copy, Debug)]
+struct Worst {
+    margin: f64,
+    limit: f64,
+    extremum: f64,
+    at_time: f64,
+}
+
+impl Worst {
+    const NONE: Self = Self { margin: f64::INFINITY, limit: 0.0, extremum: 0.0, at_time: 0.0 };
+
+    /// Takes `extremum` where its margin is less.
+    fn see(&mut self, margin: f64, limit: f64, extremum: f64, at_time: f64) {
+        // NaN counts as worst.
+        let better = margin >= self.margin;
+        if !better {
+            *self = Self { margin, limit, extremum, at_time };
+        }
+    }
+
+    /// As `see`, for a magnitude.
+    fn see_magnitude(&mut self, extremum: f64, limit: f64, at_time: f64) {
+        let margin = if limit == 0.0 && extremum == 0.0 { 1.0 } else { (limit - extremum.abs()) / limit };
+        self.see(margin, limit, extremum, at_time);
+    }
+}
+
+/// What a profile reaches, quantity by quantity.
+struct Extremes {
+    least_position: (f64, f64),
+    greatest_position: (f64, f64),
+    velocity: Worst,
+    acceleration: Worst,
+    jerk: Worst,
+    fastest: f64,
+    hardest: f64,
+}
+
+impl Extremes {
+    fn of(profile: &Profile, limits: &Limits) -> Self {
+        let start = profile.start();
+        let mut extremes = Self {
+            least_position: (start.position, 0.0),
+            greatest_position: (start.position, 0.0),
+            velocity: Worst::NONE,
+            acceleration: Worst::NONE,
+            jerk: Worst::NONE,
+            fastest: 0.0,
+            hardest: 0.0,
+        };
+        for (begin, segment) in profile.timed_segments() {
+            extremes.see_segment(begin, segment, limits);
+        }
+        if profile.segments().is_empty() {
+            extremes.see_setpoint(0.0, Setpoint::held(start), start.velocity, limits);
+        }
+        extremes
+    }
+
+    fn see_segment(&mut self, begin: f64, segment: &Segment, limits: &Limits) {
+        for span in segment.turning_points().windows(2) {
+            let (from, to) = (span[0], span[1]);
+            // Between two turning points velocity keeps its sign, which tells speeding up from slowing down.
+            let velocity = segment.at(0.5 * (from + to)).state.velocity;
+            for t in [from, to] {
+                self.see_setpoint(begin + t, segment.at(t), velocity, limits);
+            }
+        }
+    }
+
+    fn see_setpoint(&mut self, time: f64, setpoint: Setpoint, travel: f64, limits: &Limits) {
+        let Setpoint { state: State { position, velocity, acceleration }, jerk } = setpoint;
+        // Not `<` and `>`: NaN is to be seen.
+        if position.is_nan() || position < self.least_position.0 {
+            self.least_position = (position, time);
+        }
+        if position.is_nan() || position > self.greatest_position.0 {
+            self.greatest_position = (position, time);
+        }
+        self.velocity.see_magnitude(velocity, limits.velocity_towards(velocity), time);
+        let speeds_up = acceleration * travel >= 0.0;
+        let hardest = if speeds_up { limits.acceleration() } else { limits.deceleration() };
+        self.acceleration.see_magnitude(acceleration, hardest, time);
+        self.jerk.see_magnitude(jerk, limits.jerk(), time);
+        self.fastest = self.fastest.max(velocity.abs());
+        self.hardest = self.hardest.max(acceleration.abs());
+    }
+
+    fn extent(&self) -> f64 {
+        self.greatest_position.0 - self.least_position.0
+    }
+
+    /// What may be apart at a join or at the end, quantity by quantity.
+    fn allowed(&self, goal: &State) -> State {
+        let farthest =
+            self.least_position.0.abs().max(self.greatest_position.0.abs()).max(goal.position.abs());
+        State {
+            position: JOIN_TOLERANCE * self.extent() + POSITION_ULPS * f64::EPSILON * farthest,
+            velocity: JOIN_TOLERANCE * self.fastest,
+            acceleration: JOIN_TOLERANCE * self.hardest,
+        }
+    }
+
+    fn worst(&self, limits: &Limits) -> impl Iterator<Item = (Quantity, Worst)> {
+        let position = self.position(limits).map(|worst| (Quantity::Position, worst));
+        position.into_iter().chain([
+            (Quantity::Velocity, self.velocity),
+            (Quantity::Acceleration, self.acceleration),
+            (Quantity::Jerk, self.jerk),
+        ])
+    }
+
+    /// The end of the position range that is nearest; none where there is no range.
+    fn position(&self, limits: &Limits) -> Option<Worst> {
+        let mut worst = Worst::NONE;
+        let scale = self.extent().max(f64::EPSILON * limits.spec().max_position.map_or(0.0, f64::abs));
+        let margin = |inside: f64| if inside == 0.0 { 0.0 } else { inside / scale };
+        if let Some(limit) = limits.spec().max_position {
+            let (extremum, at_time) = self.greatest_position;
+            worst.see(margin(limit - extremum), limit, extremum, at_time);
+        }
+        if let Some(limit) = limits.spec().min_position {
+            let (extremum, at_time) = self.least_position;
+            worst.see(margin(extremum - limit), limit, extremum, at_time);
+        }
+        (worst.margin < f64::INFINITY || worst.margin.is_nan()).then_some(worst)
+    }
+}
+
+/// Everything that one axis's motion promises and does not keep: velocity, acceleration and jerk within `limits`, joins,
+/// and the end at `goal`. Empty: no objection.
+#[must_use]
+pub fn violations(profile: &Profile, limits: &Limits, goal: State) -> Vec<Violation> {
+    let mut certificate = Certificate::default();
+    let guaranteed = [Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk];
+    certificate.judge("", profile, limits, goal, &guaranteed);
+    certificate.violations().collect()
+}
