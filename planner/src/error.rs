@@ -130,6 +130,12 @@ pub enum Why {
         /// The longest cycle [ns].
         max_ns: u64,
     },
+    /// Bits that this planner cannot give.
+    #[error("is {given}, and this planner evaluates version {}: plan again here", crate::EVALUATION_VERSION)]
+    EvaluationVersion {
+        /// The value.
+        given: u32,
+    },
     /// Something that a later version will do.
     #[error("{what} is not implemented: {instead}")]
     NotImplemented {

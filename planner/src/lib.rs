@@ -3,6 +3,7 @@
 
 extern crate alloc;
 
+mod certified;
 mod classify;
 mod cycle;
 mod error;
@@ -21,12 +22,13 @@ mod solve;
 mod state;
 mod verify;
 
+pub use certified::{Accepted, Judged, Rejection};
 pub use classify::{Classification, EightType};
 pub use cycle::{CycleTime, LAST_CYCLE};
 pub use error::{Field, InvalidField, InvalidFields, Why};
 pub use explain::{Binding, Explanation, explain};
 pub use limits::{GREATEST_MAGNITUDE, LEAST_LIMIT, Limits, LimitsSpec, MAX_ORDER};
-pub use plan::{AxisPlan, Method, Plan, Sampler, plan};
+pub use plan::{AxisPlan, Maker, Method, Plan, Sampler, plan};
 pub use problem::Problem;
 pub use profile::{Cursor, Profile};
 pub use quantity::Quantity;
@@ -46,3 +48,6 @@ pub use verify::{
 ///
 /// It changes only when they do; a replica evaluates this version and the one before.
 pub const EVALUATION_VERSION: u32 = 1;
+
+/// The versions whose bits this planner gives.
+pub const EVALUATION_VERSIONS: core::ops::RangeInclusive<u32> = 1..=EVALUATION_VERSION;

@@ -21,6 +21,25 @@ pub struct Method {
     pub end_on_cycle: bool,
 }
 
+/// Who made a plan, and whose arithmetic its setpoints are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Maker {
+    /// The planner's version; informs.
+    pub planner_version: String,
+    /// Names the bits that the plan samples to; one of [`EVALUATION_VERSIONS`](crate::EVALUATION_VERSIONS).
+    pub evaluation_version: u32,
+}
+
+impl Default for Maker {
+    /// This planner.
+    fn default() -> Self {
+        Self {
+            planner_version: env!("CARGO_PKG_VERSION").into(),
+            evaluation_version: crate::EVALUATION_VERSION,
+        }
+    }
+}
+
 /// One axis's motion, with what was asked and what was planned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisPlan {
@@ -43,6 +62,7 @@ pub struct AxisPlan {
 /// The motion of one or more axes over one time base. Whether it is any good is for [`certify`](crate::certify) to say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
+    maker: Maker,
     method: Method,
     guaranteed: Vec<Quantity>,
     cycle_time: CycleTime,
@@ -77,7 +97,27 @@ impl Plan {
             invalid.note("axes", Some(Why::TooManyCycles { seconds: duration }));
         }
         let cycle_count = cycle_count.unwrap_or_default();
-        invalid.into_result(Self { method, guaranteed, cycle_time, cycle_count, duration, axes })
+        let maker = Maker::default();
+        invalid.into_result(Self { maker, method, guaranteed, cycle_time, cycle_count, duration, axes })
+    }
+
+    /// The same plan, made by another planner.
+    ///
+    /// # Errors
+    /// [`Why::EvaluationVersion`] for a version whose setpoints this planner cannot give.
+    pub fn made_by(self, maker: Maker) -> Result<Self, InvalidFields> {
+        let given = maker.evaluation_version;
+        if crate::EVALUATION_VERSIONS.contains(&given) {
+            return Ok(Self { maker, ..self });
+        }
+        let why = Why::EvaluationVersion { given };
+        Err(InvalidFields::one(Field::named("evaluation_version"), why))
+    }
+
+    /// Who made the plan.
+    #[must_use]
+    pub fn maker(&self) -> &Maker {
+        &self.maker
     }
 
     /// How the plan was made.
@@ -153,6 +193,7 @@ impl Plan {
             return Err(invalid);
         }
         let stopped = Self::new(self.method, self.guaranteed.clone(), self.cycle_time, axes)?;
+        let stopped = Self { maker: self.maker.clone(), ..stopped };
         Ok(Some((stopped, self.cycle_count)))
     }
 }

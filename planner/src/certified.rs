@@ -1,0 +1,95 @@
+use alloc::vec::Vec;
+
+use crate::explain::{Explanation, explain};
+use crate::verify::{Certificate, Violation, certify};
+use crate::{InvalidFields, Plan, Request};
+
+/// A plan with the judge's certificate, whatever that says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judged {
+    plan: Plan,
+    certificate: Certificate,
+    explanation: Explanation,
+}
+
+impl Judged {
+    /// Plans a request and judges the answer.
+    ///
+    /// # Errors
+    /// Those of [`plan`](crate::plan).
+    pub fn answer(request: &Request) -> Result<Self, InvalidFields> {
+        crate::plan(request).map(Self::new)
+    }
+
+    /// Judges `plan`.
+    #[must_use]
+    pub fn new(plan: Plan) -> Self {
+        let certificate = certify(&plan);
+        let explanation = explain(&plan);
+        Self { plan, certificate, explanation }
+    }
+
+    /// The plan.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// What the judge found.
+    #[must_use]
+    pub fn certificate(&self) -> &Certificate {
+        &self.certificate
+    }
+
+    /// Which limits hold the motion back.
+    #[must_use]
+    pub fn explanation(&self) -> &Explanation {
+        &self.explanation
+    }
+
+    /// The plan as one that may be executed.
+    ///
+    /// # Errors
+    /// Everything that it promises and does not keep.
+    pub fn accepted(self) -> Result<Accepted, Rejection> {
+        let violations: Vec<Violation> = self.certificate.violations().collect();
+        if violations.is_empty() { Ok(Accepted(self)) } else { Err(Rejection { violations }) }
+    }
+}
+
+/// A plan that the judge has nothing against: the only kind that is streamed or sampled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accepted(Judged);
+
+impl Accepted {
+    /// The plan.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        &self.0.plan
+    }
+
+    /// The plan with its certificate.
+    #[must_use]
+    pub fn judged(&self) -> &Judged {
+        &self.0
+    }
+}
+
+/// Why the judge rejects a plan: never empty.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", Worded(.violations))]
+pub struct Rejection {
+    /// What is promised and not kept, joins first.
+    pub violations: Vec<Violation>,
+}
+
+/// The first of a list in words, and how many more there are.
+struct Worded<'a>(&'a [Violation]);
+
+impl core::fmt::Display for Worded<'_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let [first, rest @ ..] = self.0 else { return Ok(()) };
+        write!(f, "{first}")?;
+        if rest.is_empty() { Ok(()) } else { write!(f, "; and {} more", rest.len()) }
+    }
+}
