@@ -81,6 +81,20 @@ pub enum Why {
         /// What there is to choose from.
         choices: &'static str,
     },
+    /// A name that this version does not know.
+    #[error("is {given:?}, which this version does not know: use one of {choices}")]
+    UnknownName {
+        /// The name.
+        given: String,
+        /// What there is to choose from.
+        choices: &'static str,
+    },
+    /// An order that no family has.
+    #[error("asks for order {given}: the highest is {max}", max = crate::MAX_ORDER)]
+    OrderUnsupported {
+        /// The order.
+        given: usize,
+    },
     /// Two axes with one name.
     #[error("the name {name:?} is taken by an axis before it: give every axis a name of its own")]
     DuplicateAxis {

@@ -1,4 +1,4 @@
-use arrayvec::ArrayVec;
+use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidField, InvalidFields, Why};
 use crate::float::least;
@@ -37,7 +37,7 @@ pub struct LimitsSpec {
     /// Greatest snap, the fourth derivative [axis units/s⁴], > 0.
     pub max_snap: Option<f64>,
     /// Greatest fifth, sixth … derivative in turn [axis units/s⁵ …], each > 0.
-    pub max_higher_derivatives: ArrayVec<f64, MAX_HIGHER>,
+    pub max_higher_derivatives: Vec<f64>,
     /// The speed asked for along the move [axis units/s], > 0: what an override scales. `None`: the velocity limit.
     pub feed_rate: Option<f64>,
 }
@@ -154,6 +154,10 @@ impl TryFrom<LimitsSpec> for Limits {
         positive("feed_rate", *feed_rate);
         for &limit in max_higher_derivatives {
             positive("max_higher_derivatives", Some(limit));
+        }
+        let given = max_higher_derivatives.len();
+        if given > MAX_HIGHER {
+            invalid.note("max_higher_derivatives", Some(Why::OrderUnsupported { given: given + 4 }));
         }
         invalid.note("max_velocity_reverse", max_velocity_reverse.and_then(negative));
         invalid.note("min_position", min_position.and_then(not_finite));

@@ -1,0 +1,380 @@
+//! The words of a setpoint stream, in domain types: what an axis and a server say to each other.
+//!
+//! Time on a stream is the cycle index. Cycle 0 is the state in which the axis stands: executed and accepted, never sent,
+//! not in the digest.
+
+use planner::{Accepted, Certificate, Plan, Setpoint};
+
+use crate::{Digest, Rejected};
+
+/// What an axis says.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FromAxis {
+    /// First, exactly once.
+    Open(Box<Open>),
+    /// Where the axis is: the clock of the session.
+    Report(Report),
+    /// An operation on the motion, in band.
+    Operation(Operation),
+}
+
+/// What a server says, under the epoch that it serves.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ToAxis {
+    /// The stream is open.
+    Opened(Box<Opened>),
+    /// The motion has changed; ahead of the setpoints that follow from it.
+    Revised(Box<Revised>),
+    /// Setpoints.
+    Batch(Batch),
+    /// Something happened.
+    Event(StreamEvent),
+    /// An operation was refused; the stream goes on.
+    Refusal(OperationRefusal),
+}
+
+/// Opens a stream.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Open {
+    /// The stream's name, chosen by the axis: `cell-7/x`.
+    pub stream: String,
+    /// Chosen by the axis, larger at every open.
+    pub epoch: u64,
+    /// How far ahead the axis wants to hold setpoints [cycles]; also the first grant.
+    pub lead_cycles: u32,
+    /// How many cycles go into a batch at most.
+    pub batch_cycles: u32,
+    /// A replacing batch begins later than executed + this [cycles].
+    pub axis_guard: u32,
+    /// Finish when the plan ends, instead of standing still?
+    pub close_at_rest: bool,
+    /// Take a plan that does not guarantee velocity and acceleration?
+    pub accept_unproved: bool,
+    /// The last cycle given to the servo; 0 for a new stream.
+    pub executed_cycle: u64,
+    /// What is to be played.
+    pub plan: Accepted,
+}
+
+/// How far ahead an axis holds setpoints where it does not say [cycles].
+pub const DEFAULT_LEAD_CYCLES: u32 = 40;
+/// How many cycles go into a batch where the axis does not say.
+pub const DEFAULT_BATCH_CYCLES: u32 = 10;
+/// How far beyond the executed cycle a replacing batch begins where the axis does not say [cycles].
+pub const DEFAULT_AXIS_GUARD: u32 = 2;
+/// The farthest that a server sends past the reported executed cycle [cycles], whatever is granted.
+pub const FARTHEST_AHEAD: u64 = 4096;
+
+/// A plan under way, with everything that operations on it need.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motion {
+    /// 0 at open, one more with every operation that took effect.
+    pub revision: u64,
+    /// The cycle at which plan time is zero.
+    pub from_cycle: u64,
+    /// The digest of the cycle before that.
+    pub digest_before: Digest,
+    /// From there on, with the closing stop of a plan that ends at speed.
+    pub plan: Plan,
+    /// Of the feed rate [1].
+    pub override_factor: f64,
+    /// What the motion is doing.
+    pub phase: Phase,
+    /// The first cycle of the closing stop, where there is one.
+    pub closing_from_cycle: Option<u64>,
+}
+
+impl Motion {
+    /// The cycle of the plan that is played at `cycle` of the stream.
+    #[must_use]
+    pub fn plan_cycle(&self, cycle: u64) -> u64 {
+        cycle.saturating_sub(self.from_cycle)
+    }
+
+    /// The cycle of the stream at which the plan has ended.
+    #[must_use]
+    pub fn last_cycle(&self) -> u64 {
+        self.from_cycle.saturating_add(self.plan.cycle_count())
+    }
+}
+
+/// What a motion is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Phase {
+    /// Under way.
+    Moving,
+    /// Slowing to rest, or at rest, ready to resume.
+    Holding,
+    /// Slowing to rest, the rest of the motion is forgotten.
+    Stopping,
+    /// The plan has ended; the next goal may come.
+    Standstill,
+    /// Nothing follows.
+    Finished,
+}
+
+/// The stream is open.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opened {
+    /// What will be played.
+    pub motion: Motion,
+    /// The first cycle that will be sent.
+    pub first_cycle: u64,
+    /// Who serves.
+    pub served_by: String,
+    /// The epoch that is served.
+    pub current_epoch: u64,
+}
+
+/// The motion has changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Revised {
+    /// What is played from now on.
+    pub motion: Motion,
+    /// What the judge says of it.
+    pub certificate: Certificate,
+}
+
+/// Consecutive cycles of setpoints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Batch {
+    /// The first of them.
+    pub first_cycle: u64,
+    /// The revision of the motion that they follow from.
+    pub revision: u64,
+    /// Cycles from the first one on that are held already are superseded, all at once.
+    pub replaces: bool,
+    /// At rest after this, nothing follows.
+    pub last: bool,
+    /// The setpoints.
+    pub columns: Columns,
+    /// The digest of the last cycle.
+    pub digest: Digest,
+}
+
+impl Batch {
+    /// The last of the cycles.
+    #[must_use]
+    pub fn last_cycle(&self) -> u64 {
+        self.first_cycle.saturating_add(self.columns.cycles() as u64).saturating_sub(1)
+    }
+}
+
+/// Setpoints of several cycles and axes: axis a at cycle c stands at `a · cycles + c` of each column.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Columns {
+    cycles: usize,
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    jerk: Vec<f64>,
+}
+
+impl Columns {
+    /// Room for `cycles` cycles of `axes` axes.
+    #[must_use]
+    pub fn with_capacity(cycles: usize, axes: usize) -> Self {
+        let column = || Vec::with_capacity(cycles * axes);
+        Self {
+            cycles,
+            position: column(),
+            velocity: column(),
+            acceleration: column(),
+            jerk: column(),
+        }
+    }
+
+    /// Takes columns as they are. `None` where their lengths are not the same whole number of cycles.
+    #[must_use]
+    pub fn from_parts(cycles: usize, [position, velocity, acceleration, jerk]: [Vec<f64>; 4]) -> Option<Self> {
+        let length = position.len();
+        let same = [&velocity, &acceleration, &jerk].iter().all(|column| column.len() == length);
+        let whole = if cycles == 0 { length == 0 } else { length.is_multiple_of(cycles) };
+        (same && whole).then_some(Self { cycles, position, velocity, acceleration, jerk })
+    }
+
+    /// The columns, position to jerk.
+    #[must_use]
+    pub fn into_parts(self) -> [Vec<f64>; 4] {
+        [self.position, self.velocity, self.acceleration, self.jerk]
+    }
+
+    /// Adds one setpoint: all cycles of the first axis, then all of the second …
+    pub fn push(&mut self, setpoint: Setpoint) {
+        let [position, velocity, acceleration, jerk] = setpoint.words();
+        self.position.push(position);
+        self.velocity.push(velocity);
+        self.acceleration.push(acceleration);
+        self.jerk.push(jerk);
+    }
+
+    /// How many cycles there are.
+    #[must_use]
+    pub fn cycles(&self) -> usize {
+        self.cycles
+    }
+
+    /// How many axes there are; 0 where there is no cycle.
+    #[must_use]
+    pub fn axes(&self) -> usize {
+        if self.cycles == 0 { 0 } else { self.position.len() / self.cycles }
+    }
+
+    /// The setpoint of `axis` at the `index`th cycle.
+    #[must_use]
+    pub fn at(&self, axis: usize, index: usize) -> Option<Setpoint> {
+        if index >= self.cycles {
+            return None;
+        }
+        let place = axis * self.cycles + index;
+        let state = planner::State {
+            position: *self.position.get(place)?,
+            velocity: *self.velocity.get(place)?,
+            acceleration: *self.acceleration.get(place)?,
+        };
+        Some(Setpoint { state, jerk: *self.jerk.get(place)? })
+    }
+
+    /// The setpoints of all axes at the `index`th cycle, in plan order.
+    pub fn cycle(&self, index: usize) -> impl Iterator<Item = Setpoint> {
+        (0..self.axes()).map_while(move |axis| self.at(axis, index))
+    }
+
+    /// The digest of each cycle in turn, where `before` is that of the cycle before the first.
+    pub fn digests(&self, first_cycle: u64, before: Digest) -> impl Iterator<Item = Digest> {
+        let mut digest = before;
+        (0..self.cycles).zip(first_cycle..).map(move |(index, cycle)| {
+            digest = digest.then(cycle, self.cycle(index).map(|setpoint| setpoint.words()));
+            digest
+        })
+    }
+}
+
+/// Where an axis is, and how far it may be sent ahead.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// The last cycle given to the servo.
+    pub executed_cycle: u64,
+    /// The last contiguous cycle held.
+    pub accepted_cycle: u64,
+    /// The last cycle that may be sent.
+    pub grant_cycle: u64,
+    /// The revision that is adopted.
+    pub revision: u64,
+    /// The digest of the accepted cycle.
+    pub digest: Digest,
+    /// A batch that was not taken.
+    pub refused: Option<Refused>,
+    /// The stop tail is being played from here on: the epoch is over.
+    pub tail_from_cycle: Option<u64>,
+    /// Where the axis really was; only while somebody watches.
+    pub tracking: Option<Tracking>,
+    /// How the stream has gone so far.
+    pub counters: Counters,
+}
+
+/// A batch that an axis did not take.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refused {
+    /// Of the batch.
+    pub revision: u64,
+    /// Of the batch.
+    pub first_cycle: u64,
+    /// Why.
+    pub reason: RefusalReason,
+}
+
+/// Why an axis does not take a batch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RefusalReason {
+    /// Cycles are missing before it.
+    Gap,
+    /// It replaces cycles that are executed, or about to be.
+    TooLate,
+    /// Its first setpoint does not follow from the one before.
+    JoinMismatch,
+    /// Its digest, or a cycle that is held, is another.
+    DigestMismatch,
+    /// A number is not finite, or the columns are not of the plan's axes.
+    NotFinite,
+    /// Its epoch is over.
+    StaleEpoch,
+    /// Its revision is neither adopted nor announced.
+    Revision,
+    /// The axis is opening elsewhere.
+    Resuming,
+}
+
+/// Where an axis really was, cycle by cycle; axis-major as the setpoints.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tracking {
+    /// The first cycle.
+    pub first_cycle: u64,
+    /// How many cycles.
+    pub cycles: u32,
+    /// [axis units]
+    pub measured_position: Vec<f64>,
+    /// Setpoint minus measured [axis units].
+    pub following_error: Vec<f64>,
+    /// How late each cycle began [ns].
+    pub cycle_jitter_ns: Vec<i32>,
+}
+
+/// How a stream has gone so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Cycles that were due and not held.
+    pub underruns: u64,
+    /// Cycles that came twice, the same, and were dropped.
+    pub duplicate_cycles: u64,
+    /// Batches that were not taken.
+    pub refused_batches: u64,
+    /// Messages of an epoch that is over.
+    pub stale_epochs: u64,
+    /// The fewest cycles held and not executed, while more were to come.
+    pub least_lead_cycles: u64,
+    /// Cycles that began late and were made up for.
+    pub late_cycles: u64,
+}
+
+/// Something that happened on a stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StreamEvent {
+    /// What.
+    pub kind: StreamEventKind,
+    /// When.
+    pub at_cycle: u64,
+}
+
+/// What happened on a stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StreamEventKind {
+    /// This replica leaves: open elsewhere.
+    Draining,
+    /// The plan has ended, the axis rests and the stream stays open.
+    Standstill,
+    /// Nothing follows.
+    Finished,
+    /// A newer epoch was opened.
+    Superseded,
+    /// Somebody watches: put tracking into the reports.
+    TrackingWanted,
+    /// Nobody watches any more.
+    TrackingUnwanted,
+}
+
+/// An operation on a motion under way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Operation {
+    /// The same id again has the same answer and no second effect.
+    pub request_id: String,
+}
+
+/// Why an operation was not done; nothing has changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OperationRefusal {
+    /// Of the operation.
+    pub request_id: String,
+    /// Why.
+    pub rejected: Rejected,
+}
