@@ -3,7 +3,7 @@
 //! Time on a stream is the cycle index. Cycle 0 is the state in which the axis stands: executed and accepted, never sent,
 //! not in the digest.
 
-use planner::{Accepted, Certificate, Plan, Setpoint};
+use planner::{Accepted, Setpoint};
 
 use crate::{Digest, Rejected};
 
@@ -75,7 +75,7 @@ pub struct Motion {
     /// The digest of the cycle before that.
     pub digest_before: Digest,
     /// From there on, with the closing stop of a plan that ends at speed.
-    pub plan: Plan,
+    pub plan: Accepted,
     /// Of the feed rate [1].
     pub override_factor: f64,
     /// What the motion is doing.
@@ -94,7 +94,7 @@ impl Motion {
     /// The cycle of the stream at which the plan has ended.
     #[must_use]
     pub fn last_cycle(&self) -> u64 {
-        self.from_cycle.saturating_add(self.plan.cycle_count())
+        self.from_cycle.saturating_add(self.plan.plan().cycle_count())
     }
 }
 
@@ -129,10 +129,8 @@ pub struct Opened {
 /// The motion has changed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Revised {
-    /// What is played from now on.
+    /// What is played from now on, with the judge's certificate in its plan.
     pub motion: Motion,
-    /// What the judge says of it.
-    pub certificate: Certificate,
 }
 
 /// Consecutive cycles of setpoints.
@@ -305,6 +303,35 @@ pub enum RefusalReason {
     Resuming,
 }
 
+impl RefusalReason {
+    /// Every reason.
+    pub const ALL: [Self; 8] = [
+        Self::Gap,
+        Self::TooLate,
+        Self::JoinMismatch,
+        Self::DigestMismatch,
+        Self::NotFinite,
+        Self::StaleEpoch,
+        Self::Revision,
+        Self::Resuming,
+    ];
+
+    /// The name on the wire.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gap => "GAP",
+            Self::TooLate => "TOO_LATE",
+            Self::JoinMismatch => "JOIN_MISMATCH",
+            Self::DigestMismatch => "DIGEST_MISMATCH",
+            Self::NotFinite => "NOT_FINITE",
+            Self::StaleEpoch => "STALE_EPOCH",
+            Self::Revision => "REVISION",
+            Self::Resuming => "RESUMING",
+        }
+    }
+}
+
 /// Where an axis really was, cycle by cycle; axis-major as the setpoints.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tracking {
@@ -363,8 +390,8 @@ pub enum StreamEventKind {
     TrackingUnwanted,
 }
 
-/// An operation on a motion under way.
-#[derive(Clone, Debug, PartialEq)]
+/// An operation on a motion under way. This version does none, and refuses each by its id.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Operation {
     /// The same id again has the same answer and no second effect.
     pub request_id: String,

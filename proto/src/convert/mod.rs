@@ -1,0 +1,31 @@
+//! The only translation between wire types and domain types: both directions of a type stand side by side, and every
+//! field is taken apart by name, so that a field added to the schema stops the build here and nowhere else.
+//!
+//! From the wire, everything that is wrong is reported at once, with its path (`axes[2].limits.max_jerk`).
+
+mod certificate;
+mod choice;
+mod limits;
+mod plan;
+mod rejected;
+mod request;
+mod state;
+mod stream;
+
+pub use plan::{plan_from_wire, plan_to_wire};
+pub use request::against_from_wire;
+pub use stream::{request_from_wire, request_to_wire, response_from_wire, response_to_wire};
+
+use prost_types::Duration;
+
+/// Nanoseconds of a wire duration, whatever its parts are.
+fn duration_to_ns(wire: &Duration) -> i128 {
+    let Duration { seconds, nanos } = *wire;
+    i128::from(seconds) * 1_000_000_000 + i128::from(nanos)
+}
+
+/// A wire duration of a cycle.
+fn cycle_time_to_wire(cycle: planner::CycleTime) -> Duration {
+    let ns = cycle.as_ns();
+    Duration { seconds: (ns / 1_000_000_000) as i64, nanos: (ns % 1_000_000_000) as i32 }
+}

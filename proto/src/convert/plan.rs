@@ -1,0 +1,275 @@
+use planner::{
+    Adjustment, AdjustmentReason, AxisPlan, Classification, CycleTime, EightType, Field, InvalidField,
+    InvalidFields, Judged, Law, Limits, LimitsSpec, Maker, Method, Plan, Profile, Segment, State, Why,
+};
+
+use super::choice::{
+    family_from_wire, family_to_wire, kind_from_wire, kind_to_wire, quantity_from_wire, quantity_to_wire,
+    short_path_from_wire, short_path_to_wire, synchronization_from_wire, synchronization_to_wire,
+};
+use super::{cycle_time_to_wire, duration_to_ns};
+use crate::{fingerprint, pb};
+
+/// The most segments of one axis.
+const MAX_SEGMENTS: usize = 100_000;
+
+/// The plan on the wire, with certificate, explanation and fingerprint.
+#[must_use]
+pub fn plan_to_wire(judged: &Judged) -> pb::Plan {
+    let mut wire = to_wire(judged.plan());
+    wire.certificate = Some(judged.certificate().into());
+    wire.explanation = Some(judged.explanation().into());
+    wire.fingerprint = fingerprint(&wire).to_vec();
+    wire
+}
+
+fn to_wire(plan: &Plan) -> pb::Plan {
+    let Maker { planner_version, evaluation_version } = plan.maker().clone();
+    let Method { family, order, short_path, synchronization, end_on_cycle } = plan.method();
+    pb::Plan {
+        fingerprint: Vec::new(),
+        planner_version,
+        evaluation_version,
+        method: Some(pb::PlanMethod {
+            family: family_to_wire(family),
+            order,
+            short_path_policy: short_path_to_wire(short_path),
+            synchronization: synchronization_to_wire(synchronization),
+            end_on_cycle,
+            interpolation: pb::PvtInterpolation::Unspecified as i32,
+            policy: pb::PvtPolicy::Unspecified as i32,
+        }),
+        guaranteed: plan.guaranteed().iter().copied().map(quantity_to_wire).collect(),
+        cycle_time: Some(cycle_time_to_wire(plan.cycle_time())),
+        cycle_count: plan.cycle_count(),
+        duration: plan.duration(),
+        axes: plan.axes().iter().map(axis_to_wire).collect(),
+        certificate: None,
+        explanation: None,
+    }
+}
+
+/// The motion that a plan on the wire describes. What it says of itself (fingerprint, certificate, explanation, number of
+/// cycles, duration) is computed again where it is needed, and not believed.
+///
+/// # Errors
+/// Everything that is not a motion: numbers that are not finite, laws that are not known, no axis. Whether the pieces
+/// join and keep the limits is for the judge to say.
+pub fn plan_from_wire(wire: pb::Plan) -> Result<Plan, InvalidFields> {
+    let pb::Plan {
+        fingerprint: _,
+        planner_version,
+        evaluation_version,
+        method,
+        guaranteed,
+        cycle_time,
+        cycle_count: _,
+        duration: _,
+        axes,
+        certificate: _,
+        explanation: _,
+    } = wire;
+    let mut invalid = InvalidFields::default();
+    let method = method.map(method_from_wire).transpose();
+    let method = invalid.take(&Field::named("method"), method).unwrap_or_default();
+    let mut quantities = Vec::with_capacity(guaranteed.len());
+    for (index, quantity) in guaranteed.into_iter().enumerate() {
+        match quantity_from_wire(quantity) {
+            Ok(quantity) => quantities.push(quantity),
+            Err(why) => invalid.push(InvalidField::new(Field::element("guaranteed", index), why)),
+        }
+    }
+    let cycle_time = CycleTime::from_ns(cycle_time.as_ref().map(duration_to_ns));
+    let cycle_time = invalid.take(&Field::default(), cycle_time).unwrap_or(CycleTime::MILLISECOND);
+    let mut domain_axes = Vec::new();
+    if axes.len() > planner::MAX_AXES {
+        let why = Why::TooManyAxes { given: axes.len(), allowed: planner::MAX_AXES };
+        return Err(InvalidFields::one(Field::named("axes"), why));
+    }
+    for (index, axis) in axes.into_iter().enumerate() {
+        domain_axes.extend(invalid.take(&Field::element("axes", index), axis_from_wire(axis)));
+    }
+    if !invalid.is_empty() {
+        return Err(invalid);
+    }
+    let method = method.unwrap_or_default();
+    let plan = Plan::new(method, quantities, cycle_time, domain_axes)?;
+    // Zero is a plan that somebody wrote by hand: it is ours to evaluate.
+    let evaluation_version = match evaluation_version {
+        0 => planner::EVALUATION_VERSION,
+        given => given,
+    };
+    plan.made_by(Maker { planner_version, evaluation_version })
+}
+
+fn method_from_wire(wire: pb::PlanMethod) -> Result<Method, InvalidFields> {
+    let pb::PlanMethod {
+        family,
+        order,
+        short_path_policy,
+        synchronization,
+        end_on_cycle,
+        interpolation,
+        policy,
+    } = wire;
+    let mut invalid = InvalidFields::default();
+    let mut keep = |name, result: Result<(), Why>| invalid.note(name, result.err());
+    let mut method = Method { order, end_on_cycle, ..Method::default() };
+    keep("family", family_from_wire(family).map(|family| method.family = family));
+    keep("short_path_policy", short_path_from_wire(short_path_policy).map(|policy| method.short_path = policy));
+    let mode = synchronization_from_wire(synchronization);
+    keep("synchronization", mode.map(|mode| method.synchronization = mode));
+    if interpolation != 0 || policy != 0 {
+        let what = "a plan through positions, velocities and times";
+        invalid.note("interpolation", Some(Why::NotImplemented { what, instead: "plan a move" }));
+    }
+    invalid.into_result(method)
+}
+
+fn axis_to_wire(axis: &AxisPlan) -> pb::AxisPlan {
+    let AxisPlan { axis, kind, limits, profile, goal, adjustments, classification } = axis;
+    pb::AxisPlan {
+        axis: axis.clone(),
+        kind: kind_to_wire(*kind),
+        limits: Some(limits.into()),
+        segments: profile.segments().iter().map(segment_to_wire).collect(),
+        goal: Some((*goal).into()),
+        reached: Some(profile.end().into()),
+        adjustments: adjustments.iter().map(adjustment_to_wire).collect(),
+        classification: Some(classification_to_wire(classification)),
+    }
+}
+
+fn axis_from_wire(wire: pb::AxisPlan) -> Result<AxisPlan, InvalidFields> {
+    let pb::AxisPlan { axis, kind, limits, segments, goal, reached, adjustments, classification } = wire;
+    let mut invalid = InvalidFields::default();
+    let kind = kind_from_wire(kind).map_err(|why| invalid.note("kind", Some(why))).ok();
+    let limits = Limits::try_from(LimitsSpec::from(limits.unwrap_or_default()));
+    let limits = invalid.take(&Field::named("limits"), limits);
+    let goal = state_from_wire(&mut invalid, "goal", goal);
+    let reached = state_from_wire(&mut invalid, "reached", reached);
+    if segments.len() > MAX_SEGMENTS {
+        let why = Why::TooManySegments { given: segments.len(), allowed: MAX_SEGMENTS };
+        return Err(InvalidFields::one(Field::named("segments"), why));
+    }
+    let mut pieces = Vec::with_capacity(segments.len());
+    for (index, segment) in segments.into_iter().enumerate() {
+        pieces.extend(invalid.take(&Field::element("segments", index), segment_from_wire(segment)));
+    }
+    let mut domain_adjustments = Vec::with_capacity(adjustments.len());
+    for (index, adjustment) in adjustments.into_iter().enumerate() {
+        let adjustment = adjustment_from_wire(adjustment);
+        domain_adjustments.extend(invalid.take(&Field::element("adjustments", index), adjustment));
+    }
+    let classification = classification_from_wire(classification.unwrap_or_default());
+    let classification = invalid.take(&Field::named("classification"), classification);
+    match (kind, limits, classification) {
+        (Some(kind), Some(limits), Some(classification)) if invalid.is_empty() => Ok(AxisPlan {
+            axis,
+            kind,
+            limits,
+            profile: Profile::new(pieces, reached),
+            goal,
+            adjustments: domain_adjustments,
+            classification,
+        }),
+        _ => Err(invalid),
+    }
+}
+
+/// A state all of whose numbers are finite; anything else is reported.
+fn state_from_wire(invalid: &mut InvalidFields, name: &str, wire: Option<pb::AxisState>) -> State {
+    let state = State::from(wire.unwrap_or_default());
+    let parts =
+        [("position", state.position), ("velocity", state.velocity), ("acceleration", state.acceleration)];
+    for (part, given) in parts {
+        if !given.is_finite() {
+            let field = Field::named(part).within(&Field::named(name));
+            invalid.push(InvalidField::new(field, Why::NotFinite { given }));
+        }
+    }
+    state
+}
+
+fn segment_to_wire(segment: &Segment) -> pb::AxisSegment {
+    let Segment { duration, start, law } = *segment;
+    let law = match law {
+        Law::ConstantJerk(jerk) => pb::axis_segment::Law::Jerk(jerk),
+    };
+    pb::AxisSegment { duration, start: Some(start.into()), law: Some(law) }
+}
+
+fn segment_from_wire(wire: pb::AxisSegment) -> Result<Segment, InvalidFields> {
+    let pb::AxisSegment { duration, start, law } = wire;
+    let mut invalid = InvalidFields::default();
+    let start = state_from_wire(&mut invalid, "start", start);
+    if !duration.is_finite() {
+        invalid.note("duration", Some(Why::NotFinite { given: duration }));
+    } else if duration <= 0.0 {
+        invalid.note("duration", Some(Why::NotPositive { given: duration }));
+    }
+    let later = |what| Err(Why::NotImplemented { what, instead: "use segments of constant jerk" });
+    let law = match law {
+        Some(pb::axis_segment::Law::Jerk(jerk)) if !jerk.is_finite() => Err(Why::NotFinite { given: jerk }),
+        Some(pb::axis_segment::Law::Jerk(jerk)) => Ok(Law::ConstantJerk(jerk)),
+        Some(pb::axis_segment::Law::Polynomial(_)) => later("a polynomial of higher order"),
+        Some(pb::axis_segment::Law::CosineJerk(_)) => later("a cosine jerk"),
+        None => Err(Why::Unspecified { choices: "jerk, polynomial, cosine_jerk" }),
+    };
+    match law {
+        Ok(law) => invalid.into_result(Segment { duration, start, law }),
+        Err(why) => {
+            invalid.note("law", Some(why));
+            Err(invalid)
+        }
+    }
+}
+
+fn adjustment_to_wire(adjustment: &Adjustment) -> pb::Adjustment {
+    let Adjustment { quantity, asked, planned, reason } = *adjustment;
+    pb::Adjustment { quantity: quantity_to_wire(quantity), asked, planned, reason: reason.name().into() }
+}
+
+fn adjustment_from_wire(wire: pb::Adjustment) -> Result<Adjustment, InvalidFields> {
+    let pb::Adjustment { quantity, asked, planned, reason: given } = wire;
+    let mut invalid = InvalidFields::default();
+    for (name, given) in [("asked", asked), ("planned", planned)] {
+        invalid.note(name, (!given.is_finite()).then_some(Why::NotFinite { given }));
+    }
+    let quantity = quantity_from_wire(quantity).map_err(|why| invalid.note("quantity", Some(why))).ok();
+    let reason = AdjustmentReason::ALL.into_iter().find(|reason| reason.name() == given);
+    let choices = "PATH_TOO_SHORT_START_VELOCITY, PATH_TOO_SHORT_NEAREST_VELOCITY, FEED_RATE_ABOVE_LIMIT, \
+                   CLOSING_STOP";
+    if reason.is_none() {
+        invalid.note("reason", Some(Why::UnknownName { given, choices }));
+    }
+    match (quantity, reason) {
+        (Some(quantity), Some(reason)) if invalid.is_empty() => {
+            Ok(Adjustment { quantity, asked, planned, reason })
+        }
+        _ => Err(invalid),
+    }
+}
+
+fn classification_to_wire(classification: &Classification) -> pb::Classification {
+    let Classification { eight_type, feed_rate } = *classification;
+    pb::Classification {
+        eight_type: eight_type.map(|kind| kind.name().into()),
+        asymmetric_type: None,
+        six_case: None,
+        pvt_region: None,
+        feed_rate,
+    }
+}
+
+fn classification_from_wire(wire: pb::Classification) -> Result<Classification, InvalidFields> {
+    // The names of families that this planner does not have yet say nothing about the motion.
+    let pb::Classification { eight_type, asymmetric_type: _, six_case: _, pvt_region: _, feed_rate } = wire;
+    let mut invalid = InvalidFields::default();
+    let kind = eight_type.as_deref().and_then(EightType::named);
+    if let Some(given) = eight_type.filter(|_| kind.is_none()) {
+        let choices = "1, 2, 3, 4, 5, 6, 7, 8A, 8B, 8C";
+        invalid.note("eight_type", Some(Why::UnknownName { given, choices }));
+    }
+    invalid.into_result(Classification { eight_type: kind, feed_rate })
+}

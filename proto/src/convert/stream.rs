@@ -1,0 +1,379 @@
+use planner::{Accepted, Field, InvalidFields, Judged, Why};
+
+use super::choice::{event_from_wire, event_to_wire, phase_from_wire, phase_to_wire};
+use super::{plan_from_wire, plan_to_wire};
+use crate::stream::{
+    Batch, Columns, Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES, FromAxis, Motion,
+    Open, Opened, Operation, OperationRefusal, RefusalReason, Refused, Report, Revised, StreamEvent, ToAxis,
+    Tracking,
+};
+use crate::{Digest, Reason, Rejected, pb};
+use pb::stream_setpoints_request::Message as Request;
+use pb::stream_setpoints_response::Message as Response;
+
+/// What an axis said.
+///
+/// # Errors
+/// An empty message, a plan that is not one or that the judge rejects, a reason that is not known.
+pub fn request_from_wire(wire: pb::StreamSetpointsRequest) -> Result<FromAxis, Rejected> {
+    let pb::StreamSetpointsRequest { message } = wire;
+    match message {
+        Some(Request::Open(open)) => open_from_wire(open).map(|open| FromAxis::Open(Box::new(open))),
+        Some(Request::Report(report)) => report_from_wire(report).map(FromAxis::Report),
+        Some(Request::Operation(operation)) => {
+            let pb::Operation { request_id, not_before_cycle: _, operation: _ } = operation;
+            Ok(FromAxis::Operation(Operation { request_id }))
+        }
+        None => Err(empty_message("open, report or operation")),
+    }
+}
+
+/// What an axis says, on the wire.
+#[must_use]
+pub fn request_to_wire(request: &FromAxis) -> pb::StreamSetpointsRequest {
+    let message = match request {
+        FromAxis::Open(open) => Request::Open(open_to_wire(open)),
+        FromAxis::Report(report) => Request::Report(report_to_wire(report)),
+        FromAxis::Operation(Operation { request_id }) => Request::Operation(pb::Operation {
+            request_id: request_id.clone(),
+            not_before_cycle: None,
+            operation: None,
+        }),
+    };
+    pb::StreamSetpointsRequest { message: Some(message) }
+}
+
+/// What a server said, and its epoch.
+///
+/// # Errors
+/// An empty message, a plan that is not one or that the judge rejects, columns of different lengths.
+pub fn response_from_wire(wire: pb::StreamSetpointsResponse) -> Result<(u64, ToAxis), Rejected> {
+    let pb::StreamSetpointsResponse { epoch, message } = wire;
+    let message = match message {
+        Some(Response::Opened(opened)) => ToAxis::Opened(Box::new(opened_from_wire(opened)?)),
+        Some(Response::Revised(pb::MotionRevised { motion, certificate: _ })) => {
+            ToAxis::Revised(Box::new(Revised { motion: motion_from_wire(motion)? }))
+        }
+        Some(Response::Batch(batch)) => ToAxis::Batch(batch_from_wire(batch)?),
+        Some(Response::Event(pb::StreamEvent { kind, at_cycle })) => {
+            let kind = event_from_wire(kind).map_err(|why| of_field("event.kind", why))?;
+            ToAxis::Event(StreamEvent { kind, at_cycle })
+        }
+        Some(Response::Refusal(pb::OperationRefusal { request_id, status })) => {
+            let unreadable = || Rejected::new(Reason::NotImplemented, "a refusal that cannot be read");
+            let rejected = Rejected::from_bytes(&status).unwrap_or_else(unreadable);
+            ToAxis::Refusal(OperationRefusal { request_id, rejected })
+        }
+        Some(Response::Operation(_)) => {
+            let text = "an answer to an operation, none of which was asked for";
+            return Err(Rejected::new(Reason::ProtocolOrder, text));
+        }
+        None => return Err(empty_message("opened, revised, batch, operation, event or refusal")),
+    };
+    Ok((epoch, message))
+}
+
+/// What a server says under `epoch`, on the wire.
+#[must_use]
+pub fn response_to_wire(epoch: u64, response: ToAxis) -> pb::StreamSetpointsResponse {
+    let message = match response {
+        ToAxis::Opened(opened) => {
+            let Opened { motion, first_cycle, served_by, current_epoch } = *opened;
+            let motion = Some(motion_to_wire(&motion));
+            Response::Opened(pb::Opened { motion, first_cycle, served_by, current_epoch })
+        }
+        ToAxis::Revised(revised) => {
+            let Revised { motion } = *revised;
+            let certificate = Some(motion.plan.judged().certificate().into());
+            Response::Revised(pb::MotionRevised { motion: Some(motion_to_wire(&motion)), certificate })
+        }
+        ToAxis::Batch(batch) => Response::Batch(batch_to_wire(batch)),
+        ToAxis::Event(StreamEvent { kind, at_cycle }) => {
+            Response::Event(pb::StreamEvent { kind: event_to_wire(kind), at_cycle })
+        }
+        ToAxis::Refusal(OperationRefusal { request_id, rejected }) => {
+            Response::Refusal(pb::OperationRefusal { request_id, status: rejected.to_bytes() })
+        }
+    };
+    pb::StreamSetpointsResponse { epoch, message: Some(message) }
+}
+
+fn empty_message(choices: &str) -> Rejected {
+    Rejected::new(Reason::ProtocolOrder, format!("the message is empty: send one of {choices}"))
+}
+
+fn of_field(field: &str, why: Why) -> Rejected {
+    InvalidFields::one(Field::named(field), why).into()
+}
+
+/// A plan that the judge has nothing against.
+fn accepted_from_wire(field: &str, wire: Option<pb::Plan>) -> Result<Accepted, Rejected> {
+    let wire = wire.ok_or_else(|| of_field(field, Why::Unspecified { choices: "a plan" }))?;
+    let plan = plan_from_wire(wire).map_err(|inner| {
+        let mut invalid = InvalidFields::default();
+        invalid.extend_within(&Field::named(field), inner);
+        invalid
+    })?;
+    Ok(Judged::new(plan).accepted()?)
+}
+
+fn open_from_wire(wire: pb::Open) -> Result<Open, Rejected> {
+    let pb::Open {
+        stream,
+        epoch,
+        lead_cycles,
+        batch_cycles,
+        axis_guard,
+        close_at_rest,
+        accept_unproved,
+        executed_cycle,
+        source,
+    } = wire;
+    let plan = match source {
+        Some(pb::open::Source::Plan(plan)) => accepted_from_wire("open.plan", Some(plan))?,
+        Some(pb::open::Source::Resume(_)) => {
+            let what = "going on with a motion of another server";
+            return Err(of_field("open.resume", Why::NotImplemented { what, instead: "open with a plan" }));
+        }
+        None => return Err(of_field("open.source", Why::Unspecified { choices: "plan, resume" })),
+    };
+    let or = |given, default| if given == 0 { default } else { given };
+    Ok(Open {
+        stream,
+        epoch,
+        lead_cycles: or(lead_cycles, DEFAULT_LEAD_CYCLES),
+        batch_cycles: or(batch_cycles, DEFAULT_BATCH_CYCLES),
+        axis_guard: or(axis_guard, DEFAULT_AXIS_GUARD),
+        close_at_rest,
+        accept_unproved,
+        executed_cycle,
+        plan,
+    })
+}
+
+fn open_to_wire(open: &Open) -> pb::Open {
+    let Open {
+        stream,
+        epoch,
+        lead_cycles,
+        batch_cycles,
+        axis_guard,
+        close_at_rest,
+        accept_unproved,
+        executed_cycle,
+        plan,
+    } = open;
+    pb::Open {
+        stream: stream.clone(),
+        epoch: *epoch,
+        lead_cycles: *lead_cycles,
+        batch_cycles: *batch_cycles,
+        axis_guard: *axis_guard,
+        close_at_rest: *close_at_rest,
+        accept_unproved: *accept_unproved,
+        executed_cycle: *executed_cycle,
+        source: Some(pb::open::Source::Plan(plan_to_wire(plan.judged()))),
+    }
+}
+
+fn opened_from_wire(wire: pb::Opened) -> Result<Opened, Rejected> {
+    let pb::Opened { motion, first_cycle, served_by, current_epoch } = wire;
+    Ok(Opened { motion: motion_from_wire(motion)?, first_cycle, served_by, current_epoch })
+}
+
+fn motion_from_wire(wire: Option<pb::Motion>) -> Result<Motion, Rejected> {
+    let wire = wire.ok_or_else(|| of_field("motion", Why::Unspecified { choices: "a motion" }))?;
+    let pb::Motion {
+        revision,
+        from_cycle,
+        digest_before,
+        plan,
+        override_factor,
+        phase,
+        base: _,
+        base_time: _,
+        closing_from_cycle,
+        recent: _,
+    } = wire;
+    Ok(Motion {
+        revision,
+        from_cycle,
+        digest_before: Digest::from(digest_before),
+        plan: accepted_from_wire("motion.plan", plan)?,
+        override_factor,
+        phase: phase_from_wire(phase).map_err(|why| of_field("motion.phase", why))?,
+        closing_from_cycle,
+    })
+}
+
+fn motion_to_wire(motion: &Motion) -> pb::Motion {
+    let Motion { revision, from_cycle, digest_before, plan, override_factor, phase, closing_from_cycle } = motion;
+    pb::Motion {
+        revision: *revision,
+        from_cycle: *from_cycle,
+        digest_before: u64::from(*digest_before),
+        plan: Some(plan_to_wire(plan.judged())),
+        override_factor: *override_factor,
+        phase: phase_to_wire(*phase),
+        base: None,
+        base_time: Vec::new(),
+        closing_from_cycle: *closing_from_cycle,
+        recent: Vec::new(),
+    }
+}
+
+impl From<Columns> for pb::SetpointColumns {
+    fn from(columns: Columns) -> Self {
+        let cycles = columns.cycles() as u32;
+        let [position, velocity, acceleration, jerk] = columns.into_parts();
+        Self { cycles, position, velocity, acceleration, jerk }
+    }
+}
+
+impl TryFrom<pb::SetpointColumns> for Columns {
+    type Error = Rejected;
+
+    fn try_from(wire: pb::SetpointColumns) -> Result<Self, Rejected> {
+        let pb::SetpointColumns { cycles, position, velocity, acceleration, jerk } = wire;
+        let lengths = [position.len(), velocity.len(), acceleration.len(), jerk.len()];
+        Columns::from_parts(cycles as usize, [position, velocity, acceleration, jerk]).ok_or_else(|| {
+            let text = format!(
+                "columns of {lengths:?} numbers for {cycles} cycles: position, velocity, acceleration and jerk \
+                 need one number for each axis and cycle"
+            );
+            Rejected::new(Reason::LengthMismatch, text)
+        })
+    }
+}
+
+fn batch_from_wire(wire: pb::SetpointBatch) -> Result<Batch, Rejected> {
+    let pb::SetpointBatch { first_cycle, revision, replaces, last, columns, stop_tails: _, digest } = wire;
+    Ok(Batch {
+        first_cycle,
+        revision,
+        replaces,
+        last,
+        columns: columns.unwrap_or_default().try_into()?,
+        digest: Digest::from(digest),
+    })
+}
+
+fn batch_to_wire(batch: Batch) -> pb::SetpointBatch {
+    let Batch { first_cycle, revision, replaces, last, columns, digest } = batch;
+    pb::SetpointBatch {
+        first_cycle,
+        revision,
+        replaces,
+        last,
+        columns: Some(columns.into()),
+        stop_tails: Vec::new(),
+        digest: u64::from(digest),
+    }
+}
+
+fn report_from_wire(wire: pb::AxisReport) -> Result<Report, Rejected> {
+    let pb::AxisReport {
+        executed_cycle,
+        accepted_cycle,
+        grant_cycle,
+        revision,
+        digest,
+        refused,
+        tail_from_cycle,
+        tracking,
+        counters,
+    } = wire;
+    Ok(Report {
+        executed_cycle,
+        accepted_cycle,
+        grant_cycle,
+        revision,
+        digest: Digest::from(digest),
+        refused: refused.map(refused_from_wire).transpose()?,
+        tail_from_cycle,
+        tracking: tracking.map(Into::into),
+        counters: counters.unwrap_or_default().into(),
+    })
+}
+
+fn report_to_wire(report: &Report) -> pb::AxisReport {
+    let Report {
+        executed_cycle,
+        accepted_cycle,
+        grant_cycle,
+        revision,
+        digest,
+        refused,
+        tail_from_cycle,
+        tracking,
+        counters,
+    } = report;
+    pb::AxisReport {
+        executed_cycle: *executed_cycle,
+        accepted_cycle: *accepted_cycle,
+        grant_cycle: *grant_cycle,
+        revision: *revision,
+        digest: u64::from(*digest),
+        refused: refused.as_ref().map(|Refused { revision, first_cycle, reason }| pb::Refused {
+            revision: *revision,
+            first_cycle: *first_cycle,
+            reason: reason.name().into(),
+        }),
+        tail_from_cycle: *tail_from_cycle,
+        tracking: tracking.clone().map(Into::into),
+        counters: Some((*counters).into()),
+    }
+}
+
+fn refused_from_wire(wire: pb::Refused) -> Result<Refused, Rejected> {
+    let pb::Refused { revision, first_cycle, reason: given } = wire;
+    let reason = RefusalReason::ALL.into_iter().find(|reason| reason.name() == given);
+    let choices =
+        "GAP, TOO_LATE, JOIN_MISMATCH, DIGEST_MISMATCH, NOT_FINITE, STALE_EPOCH, REVISION, RESUMING";
+    let reason =
+        reason.ok_or_else(|| of_field("report.refused.reason", Why::UnknownName { given, choices }))?;
+    Ok(Refused { revision, first_cycle, reason })
+}
+
+impl From<pb::TrackingColumns> for Tracking {
+    fn from(wire: pb::TrackingColumns) -> Self {
+        let pb::TrackingColumns { first_cycle, cycles, measured_position, following_error, cycle_jitter_ns } =
+            wire;
+        Self { first_cycle, cycles, measured_position, following_error, cycle_jitter_ns }
+    }
+}
+
+impl From<Tracking> for pb::TrackingColumns {
+    fn from(tracking: Tracking) -> Self {
+        let Tracking { first_cycle, cycles, measured_position, following_error, cycle_jitter_ns } = tracking;
+        Self { first_cycle, cycles, measured_position, following_error, cycle_jitter_ns }
+    }
+}
+
+impl From<pb::StreamCounters> for Counters {
+    fn from(wire: pb::StreamCounters) -> Self {
+        let pb::StreamCounters {
+            underruns,
+            duplicate_cycles,
+            refused_batches,
+            stale_epochs,
+            least_lead_cycles,
+            late_cycles,
+        } = wire;
+        Self { underruns, duplicate_cycles, refused_batches, stale_epochs, least_lead_cycles, late_cycles }
+    }
+}
+
+impl From<Counters> for pb::StreamCounters {
+    fn from(counters: Counters) -> Self {
+        let Counters {
+            underruns,
+            duplicate_cycles,
+            refused_batches,
+            stale_epochs,
+            least_lead_cycles,
+            late_cycles,
+        } = counters;
+        Self { underruns, duplicate_cycles, refused_batches, stale_epochs, least_lead_cycles, late_cycles }
+    }
+}

@@ -1,0 +1,75 @@
+use std::ops::RangeInclusive;
+
+use proto::stream::{FARTHEST_AHEAD, Report};
+use proto::{Reason, Rejected};
+
+/// How far the axis is, how far it may be sent ahead, and how far it has been sent.
+///
+/// ```text
+///  executed ≤ accepted ≤ sent ≤ min(grant, executed + 4096)
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Credit {
+    executed: u64,
+    accepted: u64,
+    grant: u64,
+    sent: u64,
+    /// The farthest that was ever sent: the axis may hold it even where it is to be sent again.
+    farthest: u64,
+}
+
+impl Credit {
+    /// Nothing is executed, and `lead` cycles are granted.
+    pub(super) fn first(lead: u64) -> Self {
+        Self { grant: lead, ..Self::default() }
+    }
+
+    pub(super) fn executed(&self) -> u64 {
+        self.executed
+    }
+
+    /// Takes over what a report says, if it can be true.
+    pub(super) fn report(&mut self, report: &Report) -> Result<(), Rejected> {
+        let Report { executed_cycle, accepted_cycle, grant_cycle, .. } = *report;
+        let impossible = |text: String| Err(Rejected::new(Reason::ProtocolOrder, text));
+        if executed_cycle > accepted_cycle {
+            return impossible(format!(
+                "executed_cycle {executed_cycle} is past accepted_cycle {accepted_cycle}"
+            ));
+        }
+        if accepted_cycle > self.farthest {
+            let sent = self.farthest;
+            return impossible(format!("accepted_cycle {accepted_cycle} is past {sent}, the last cycle sent"));
+        }
+        if executed_cycle < self.executed || accepted_cycle < self.accepted {
+            let (executed, accepted) = (self.executed, self.accepted);
+            return impossible(format!(
+                "cycles {executed_cycle} and {accepted_cycle} are before {executed} and {accepted}, which were \
+                 reported executed and accepted"
+            ));
+        }
+        self.executed = executed_cycle;
+        self.accepted = accepted_cycle;
+        self.grant = grant_cycle;
+        self.sent = self.sent.max(accepted_cycle);
+        Ok(())
+    }
+
+    /// Goes back to the cycle after `accepted`.
+    pub(super) fn send_again_after(&mut self, accepted: u64) {
+        self.sent = accepted;
+    }
+
+    /// Takes the cycles of the next batch: as many as `most`, as are granted, and as there are up to `end`.
+    pub(super) fn next(&mut self, most: u64, end: Option<u64>) -> Option<RangeInclusive<u64>> {
+        let allowed = self.grant.min(self.executed.saturating_add(FARTHEST_AHEAD)).min(end.unwrap_or(u64::MAX));
+        let last = allowed.min(self.sent.saturating_add(most));
+        if last <= self.sent {
+            return None;
+        }
+        let cycles = self.sent + 1..=last;
+        self.sent = last;
+        self.farthest = self.farthest.max(last);
+        Some(cycles)
+    }
+}
