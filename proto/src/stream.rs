@@ -173,18 +173,15 @@ impl Columns {
     #[must_use]
     pub fn with_capacity(cycles: usize, axes: usize) -> Self {
         let column = || Vec::with_capacity(cycles * axes);
-        Self {
-            cycles,
-            position: column(),
-            velocity: column(),
-            acceleration: column(),
-            jerk: column(),
-        }
+        Self { cycles, position: column(), velocity: column(), acceleration: column(), jerk: column() }
     }
 
     /// Takes columns as they are. `None` where their lengths are not the same whole number of cycles.
     #[must_use]
-    pub fn from_parts(cycles: usize, [position, velocity, acceleration, jerk]: [Vec<f64>; 4]) -> Option<Self> {
+    pub fn from_parts(
+        cycles: usize,
+        [position, velocity, acceleration, jerk]: [Vec<f64>; 4],
+    ) -> Option<Self> {
         let length = position.len();
         let same = [&velocity, &acceleration, &jerk].iter().all(|column| column.len() == length);
         let whole = if cycles == 0 { length == 0 } else { length.is_multiple_of(cycles) };

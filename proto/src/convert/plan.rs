@@ -116,7 +116,10 @@ fn method_from_wire(wire: pb::PlanMethod) -> Result<Method, InvalidFields> {
     let mut keep = |name, result: Result<(), Why>| invalid.note(name, result.err());
     let mut method = Method { order, end_on_cycle, ..Method::default() };
     keep("family", family_from_wire(family).map(|family| method.family = family));
-    keep("short_path_policy", short_path_from_wire(short_path_policy).map(|policy| method.short_path = policy));
+    keep(
+        "short_path_policy",
+        short_path_from_wire(short_path_policy).map(|policy| method.short_path = policy),
+    );
     let mode = synchronization_from_wire(synchronization);
     keep("synchronization", mode.map(|mode| method.synchronization = mode));
     if interpolation != 0 || policy != 0 {

@@ -7,7 +7,8 @@ use crate::{FieldViolation, Reason, Rejected};
 impl From<InvalidFields> for Rejected {
     /// Mistakes in what was said come before conditions that do not hold; the first one names the whole.
     fn from(invalid: InvalidFields) -> Self {
-        let mut fields: Vec<_> = invalid.as_slice().iter().map(|invalid| (rank(&invalid.why), invalid)).collect();
+        let mut fields: Vec<_> =
+            invalid.as_slice().iter().map(|invalid| (rank(&invalid.why), invalid)).collect();
         fields.sort_by_key(|(rank, _)| *rank);
         let violations = fields
             .iter()

@@ -80,10 +80,13 @@ pub fn against_from_wire(
     plan: &Plan,
     against: Vec<pb::AxisMove>,
 ) -> Result<Vec<(Limits, State)>, InvalidFields> {
-    let mut pairs: Vec<_> = plan.axes().iter().map(|axis| (axis.limits.clone(), axis.goal_to_reach())).collect();
+    let mut pairs: Vec<_> =
+        plan.axes().iter().map(|axis| (axis.limits.clone(), axis.goal_to_reach())).collect();
     let mut seen: Vec<String> = Vec::new();
     let mut invalid = InvalidFields::default();
-    for (index, pb::AxisMove { axis: name, kind: _, start: _, goal, limits }) in against.into_iter().enumerate() {
+    for (index, pb::AxisMove { axis: name, kind: _, start: _, goal, limits }) in
+        against.into_iter().enumerate()
+    {
         let outer = Field::element("against", index);
         let named = Field::named("axis").within(&outer);
         if seen.contains(&name) {

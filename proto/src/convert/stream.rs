@@ -3,9 +3,9 @@ use planner::{Accepted, Field, InvalidFields, Judged, Why};
 use super::choice::{event_from_wire, event_to_wire, phase_from_wire, phase_to_wire};
 use super::{plan_from_wire, plan_to_wire};
 use crate::stream::{
-    Batch, Columns, Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES, FromAxis, Motion,
-    Open, Opened, Operation, OperationRefusal, RefusalReason, Refused, Report, Revised, StreamEvent, ToAxis,
-    Tracking,
+    Batch, Columns, Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES, FromAxis,
+    Motion, Open, Opened, Operation, OperationRefusal, RefusalReason, Refused, Report, Revised, StreamEvent,
+    ToAxis, Tracking,
 };
 use crate::{Digest, Reason, Rejected, pb};
 use pb::stream_setpoints_request::Message as Request;
@@ -207,7 +207,8 @@ fn motion_from_wire(wire: Option<pb::Motion>) -> Result<Motion, Rejected> {
 }
 
 fn motion_to_wire(motion: &Motion) -> pb::Motion {
-    let Motion { revision, from_cycle, digest_before, plan, override_factor, phase, closing_from_cycle } = motion;
+    let Motion { revision, from_cycle, digest_before, plan, override_factor, phase, closing_from_cycle } =
+        motion;
     pb::Motion {
         revision: *revision,
         from_cycle: *from_cycle,
