@@ -1,0 +1,143 @@
+//! Domain to wire and back gives the same bits.
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+use planner::{Judged, Limits, LimitsSpec, Request, RequestSpec, State};
+use prost::Message;
+use proptest::prelude::*;
+use proto::stream::{Columns, FromAxis, Open, Report, StreamEvent, StreamEventKind, ToAxis};
+use proto::{Digest, pb, plan_from_wire, plan_to_wire, request_from_wire, request_to_wire};
+
+fn request(distance: f64, start: f64, end: f64, cruise: f64) -> RequestSpec {
+    let axis = pb::AxisMove {
+        axis: "x".into(),
+        kind: pb::AxisKind::Prismatic as i32,
+        start: Some(pb::AxisState { velocity: start, ..Default::default() }),
+        goal: Some(pb::AxisState { position: distance, velocity: end, acceleration: 0.0 }),
+        limits: Some(pb::AxisLimits {
+            max_velocity: cruise,
+            max_acceleration: 2.0,
+            max_jerk: 100.0,
+            ..Default::default()
+        }),
+    };
+    let policy = pb::ShortPathPolicy::NearestVelocity as i32;
+    pb::PlanRequest { axes: vec![axis], short_path_policy: policy, ..Default::default() }.into()
+}
+
+fn judged(spec: RequestSpec) -> Judged {
+    Judged::answer(&Request::try_from(spec).unwrap()).unwrap()
+}
+
+proptest! {
+    #[test]
+    fn a_plan_comes_back_with_the_same_bits(
+        distance in 1e-9..10.0, start in 0.0..0.5, end in 0.0..0.5, cruise in 0.5..2.0,
+    ) {
+        let judged = judged(request(distance, start, end, cruise));
+        let wire = plan_to_wire(&judged);
+        let bytes = wire.encode_to_vec();
+        let back = plan_from_wire(pb::Plan::decode(bytes.as_slice()).unwrap()).unwrap();
+        prop_assert_eq!(&back, judged.plan());
+        prop_assert_eq!(plan_to_wire(&Judged::new(back)).encode_to_vec(), bytes);
+        let json = proto::to_json(&wire).unwrap();
+        prop_assert_eq!(proto::from_json::<pb::Plan>(&json).unwrap(), wire);
+    }
+
+    #[test]
+    fn limits_come_back_as_they_were_stated(
+        velocity in 1e-3..1e3, reverse in proptest::option::of(0.0..1e3), feed in proptest::option::of(1e-3..1e3),
+        jerk in 1e-3..1e6, higher in proptest::collection::vec(1e-3..1e6, 0..6),
+    ) {
+        let spec = LimitsSpec {
+            max_velocity: velocity,
+            max_acceleration: 3.0,
+            max_jerk: jerk,
+            max_velocity_reverse: reverse,
+            feed_rate: feed,
+            max_higher_derivatives: higher,
+            ..LimitsSpec::default()
+        };
+        let limits = Limits::try_from(spec.clone());
+        prop_assume!(limits.is_ok());
+        let wire = pb::AxisLimits::from(&limits.unwrap());
+        prop_assert_eq!(LimitsSpec::from(wire), spec);
+    }
+
+    #[test]
+    fn a_report_comes_back(executed in any::<u64>(), accepted in any::<u64>(), digest in any::<u64>()) {
+        let report = Report {
+            executed_cycle: executed,
+            accepted_cycle: accepted,
+            digest: Digest::from(digest),
+            ..Report::default()
+        };
+        let there = FromAxis::Report(report);
+        prop_assert_eq!(request_from_wire(request_to_wire(&there)).unwrap(), there);
+    }
+}
+
+#[test]
+fn an_open_comes_back() {
+    let plan = judged(request(0.05, 0.0, 0.0, 0.25)).accepted().unwrap();
+    let open = Open {
+        stream: "cell-7/x".into(),
+        epoch: 3,
+        lead_cycles: 40,
+        batch_cycles: 10,
+        axis_guard: 2,
+        close_at_rest: true,
+        accept_unproved: false,
+        executed_cycle: 0,
+        plan,
+    };
+    let there = FromAxis::Open(Box::new(open));
+    assert_eq!(request_from_wire(request_to_wire(&there)).unwrap(), there);
+}
+
+#[test]
+fn an_event_comes_back() {
+    let there = ToAxis::Event(StreamEvent { kind: StreamEventKind::Standstill, at_cycle: 7 });
+    let back = proto::response_from_wire(proto::response_to_wire(5, there.clone())).unwrap();
+    assert_eq!(back, (5, there));
+}
+
+#[test]
+fn columns_of_different_lengths_are_refused() {
+    let wire = pb::SetpointColumns { cycles: 2, position: vec![0.0; 2], ..Default::default() };
+    let rejected = Columns::try_from(wire).unwrap_err();
+    assert_eq!(rejected.reason, proto::Reason::LengthMismatch);
+}
+
+#[test]
+fn every_invalid_field_is_named_at_once() {
+    let axis = pb::AxisMove {
+        axis: "x".into(),
+        goal: Some(pb::AxisState { position: f64::NAN, ..Default::default() }),
+        ..Default::default()
+    };
+    let wire = pb::PlanRequest { axes: vec![axis.clone(), axis], family: 99, ..Default::default() };
+    let invalid = Request::try_from(RequestSpec::from(wire)).unwrap_err();
+    let rejected = proto::Rejected::from(invalid);
+    let fields: Vec<&str> = rejected.fields.iter().map(|violation| violation.field.as_str()).collect();
+    assert_eq!(
+        fields,
+        [
+            "family",
+            "axes[1].axis",
+            "axes[0].kind",
+            "axes[0].limits.max_velocity",
+            "axes[0].limits.max_acceleration",
+            "axes[0].limits.max_jerk",
+            "axes[0].goal.position",
+            "axes[1].kind",
+            "axes[1].limits.max_velocity",
+            "axes[1].limits.max_acceleration",
+            "axes[1].limits.max_jerk",
+            "axes[1].goal.position",
+            "synchronization",
+        ]
+    );
+    let start = rejected.fields.iter().find(|violation| violation.field == "axes[0].goal.position");
+    assert_eq!(start.unwrap().reason, proto::Reason::NotFinite);
+    let _ = State::default();
+}
