@@ -1,1 +1,8 @@
-//! To come.
+//! A servo drive and the axis behind it, as physics: setpoints in, positions and efforts out.
+#![allow(rustdoc::broken_intra_doc_links, reason = "units stand in square brackets")]
+
+mod audit;
+mod model;
+
+pub use audit::{InvalidField, InvalidModel};
+pub use model::{AxisModel, AxisModelSpec, EncoderSpec, FrictionSpec, LoadSpec, MechanicsSpec, ServoSpec};
