@@ -2,7 +2,10 @@
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in square brackets")]
 
 mod audit;
+mod delay;
+mod interpolate;
 mod model;
 
 pub use audit::{InvalidField, InvalidModel};
+pub use interpolate::Quintic;
 pub use model::{AxisModel, AxisModelSpec, EncoderSpec, FrictionSpec, LoadSpec, MechanicsSpec, ServoSpec};
