@@ -3,9 +3,12 @@
 
 mod audit;
 mod delay;
+mod encoder;
 mod interpolate;
 mod model;
+mod noise;
 
 pub use audit::{InvalidField, InvalidModel};
+pub use encoder::{Encoder, Measured};
 pub use interpolate::Quintic;
 pub use model::{AxisModel, AxisModelSpec, EncoderSpec, FrictionSpec, LoadSpec, MechanicsSpec, ServoSpec};
