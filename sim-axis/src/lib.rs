@@ -3,12 +3,16 @@
 
 mod audit;
 mod delay;
+mod discretise;
 mod encoder;
+mod friction;
 mod interpolate;
 mod model;
 mod noise;
+mod plant;
 
 pub use audit::{InvalidField, InvalidModel};
 pub use encoder::{Encoder, Measured};
 pub use interpolate::Quintic;
 pub use model::{AxisModel, AxisModelSpec, EncoderSpec, FrictionSpec, LoadSpec, MechanicsSpec, ServoSpec};
+pub use plant::Plant;
