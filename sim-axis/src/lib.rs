@@ -10,9 +10,11 @@ mod interpolate;
 mod model;
 mod noise;
 mod plant;
+mod servo;
 
 pub use audit::{InvalidField, InvalidModel};
 pub use encoder::{Encoder, Measured};
 pub use interpolate::Quintic;
 pub use model::{AxisModel, AxisModelSpec, EncoderSpec, FrictionSpec, LoadSpec, MechanicsSpec, ServoSpec};
 pub use plant::Plant;
+pub use servo::{Decision, Memory, Servo};
