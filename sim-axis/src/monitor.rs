@@ -53,7 +53,8 @@ pub(crate) struct Monitor {
     travel: Travel,
     max_effort: f64,
     saturated_substeps: u64,
-    /// Load positions by cycle in the settle window; its capacity is the window.
+    settle_cycles: usize,
+    /// Load positions by cycle in the settle window, both ends included.
     record: Vec<f64>,
 }
 
@@ -84,6 +85,7 @@ impl Monitor {
             travel: Travel::new(load_position),
             max_effort: 0.0,
             saturated_substeps: 0,
+            settle_cycles,
             record: Vec::with_capacity(settle_cycles + 1),
         }
     }
@@ -118,11 +120,13 @@ impl Monitor {
         settling.judge(load_position, self.settle_tolerance);
         self.phase = Phase::Settling(settling);
         self.record.clear();
+        // Room was made at the beginning; a clone, which has none, makes its own here.
+        self.record.reserve(self.settle_cycles + 1);
         self.record.push(load_position);
     }
 
     pub(crate) fn window_is_over(&self) -> bool {
-        matches!(self.phase, Phase::Settling(_)) && self.record.len() >= self.record.capacity()
+        matches!(self.phase, Phase::Settling(_)) && self.record.len() > self.settle_cycles
     }
 
     /// The card so far, with lengths times `scale`.

@@ -656,6 +656,31 @@ mod flexible {
     }
 
     #[test]
+    fn a_copy_made_under_way_ends_like_its_original() {
+        let setpoints = demo_move();
+        let (before, after) = setpoints.split_at(100);
+        let mut axis = at_rest(&AxisModel::flexible("x"), 0.3);
+        for setpoint in before {
+            axis.step(setpoint);
+        }
+        let finished = |mut axis: Axis| {
+            for setpoint in after {
+                axis.step(setpoint);
+            }
+            axis.begin_settling();
+            let mut cycles = 0;
+            while !axis.settle_window_is_over() {
+                axis.rest();
+                cycles += 1;
+            }
+            (cycles, axis.report())
+        };
+        let copied = finished(axis.clone());
+        assert_eq!(copied.0, 300);
+        assert_eq!(copied, finished(axis));
+    }
+
+    #[test]
     fn an_axis_at_rest_stays_where_it_is() {
         for model in [AxisModel::flexible("x"), AxisModel::ideal("x")] {
             let far = State::at_rest(1_234.567_8);
