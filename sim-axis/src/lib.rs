@@ -1,1 +1,43 @@
-//! To come.
+//! A servo drive and the axis behind it, as physics: setpoints in, positions and efforts out.
+//!
+//! Start at [`Axis::step`], one cycle of one axis: read, decide, apply, observe. Then read in this order:
+//! - [`AxisModelSpec`], [`AxisModel`]: what an axis is made of, before and after it was checked
+//! - [`Quintic`]: what a drive makes of two setpoints, between them
+//! - [`Encoder`], [`Measured`]: what the drive sees of the motor
+//! - [`Servo`], [`Decision`]: position, velocity and current loops, as a pure function
+//! - [`Plant`]: motor, spring and load; the exact step over one substep
+//! - [`ReportCard`]: how well the axis followed, and how it came to rest
+//!
+//! Nothing here reads a clock, sleeps or allocates while it steps: the same setpoints give the same numbers,
+//! bit for bit, whether a cycle lasts a millisecond of wall clock or a microsecond of a test.
+//!
+//! # Words and units
+//! *Substep*: the drive's own period [s], 50 to 100 µs; a cycle has a whole number of them. *Effort*: the
+//! motor's force [N] or torque [N m]. *Inertia*: a mass [kg] or a moment of inertia [kg m²]. *Mechanical
+//! units*: metres or radians. *Axis units*: those of the setpoints; mechanical units, or pulses where a model
+//! says how many pulses make a unit. Following error is commanded minus measured: positive while an axis lags
+//! in the positive direction.
+#![allow(rustdoc::broken_intra_doc_links, reason = "units stand in square brackets")]
+
+mod audit;
+mod axis;
+mod delay;
+mod discretise;
+mod encoder;
+mod friction;
+mod interpolate;
+mod model;
+mod monitor;
+mod noise;
+mod plant;
+mod servo;
+mod vibration;
+
+pub use audit::{InvalidField, InvalidModel};
+pub use axis::{Axis, AxisConfig, InvalidConfig, Observation};
+pub use encoder::{Encoder, Measured};
+pub use interpolate::Quintic;
+pub use model::{AxisModel, AxisModelSpec, EncoderSpec, FrictionSpec, LoadSpec, MechanicsSpec, ServoSpec};
+pub use monitor::ReportCard;
+pub use plant::Plant;
+pub use servo::{Decision, Memory, Servo};
