@@ -1,0 +1,390 @@
+//! Every flag, with its unit in `--help`, and an example for every command.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
+use planner::{
+    AxisKind, AxisMoveSpec, Family, LimitsSpec, RequestSpec, ShortPathPolicy, State, Synchronization,
+};
+use proto::Reason;
+
+/// Smooth, jerk-limited motion for machine axes: plans it, proves it, samples it.
+///
+/// Units are SI: metres (or radians, or pulses, by the kind of the axis) and seconds.
+/// JSON in and out is the proto3 mapping of the messages in motion/v1/*.proto.
+#[derive(Debug, Parser)]
+#[command(
+    name = "portamento",
+    version,
+    max_term_width = 80,
+    arg_required_else_help = true,
+    subcommand_required = true,
+    after_help = "\
+Examples:
+  portamento plan --distance 0.05 --max-velocity 0.25 --max-acceleration 3 \\
+      --max-jerk 100 --plot move.svg --output move.json
+  portamento verify --plan move.json
+  portamento sample --plan move.json --output move.csv
+  portamento explain PATH_TOO_SHORT
+
+Exit codes:
+  0  done
+  1  failed; for verify: the plan does not pass
+  2  usage: a flag or an input file cannot be understood
+  3  infeasible or refused, with the way out in the message
+  4  the endpoint cannot be reached"
+)]
+pub(crate) struct Cli {
+    #[command(flatten)]
+    pub(crate) global: Global,
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// What every command understands.
+#[derive(Debug, Args)]
+pub(crate) struct Global {
+    /// Print JSON for programs, one document a line, instead of tables for people.
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// Ask the server at this address, as http://127.0.0.1:50051, instead of planning in this process.
+    #[arg(long, global = true, value_name = "URL")]
+    pub(crate) endpoint: Option<String>,
+    /// When to use colours; auto: on a terminal, unless NO_COLOR is set.
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
+    pub(crate) color: ColorChoice,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Plan(Box<PlanArgs>),
+    Verify(VerifyArgs),
+    Sample(SampleArgs),
+    Explain(ExplainArgs),
+}
+
+/// Plan a move and show it: phases, limits, certificate.
+///
+/// Ask by flags for one axis, by --request for one PlanRequest in JSON, or by --batch for one PlanRequest a line.
+#[derive(Debug, Args)]
+#[command(
+    // `-0.05` is a number, never a flag.
+    allow_negative_numbers = true,
+    after_help = "\
+Examples:
+  50 mm, from rest to rest, with a plot and a file for verify and sample:
+    portamento plan --distance 0.05 --max-velocity 0.25 \\
+        --max-acceleration 3 --max-jerk 100 --plot move.svg --output move.json
+  Backwards, leaving at speed; as near to it as so short a path allows:
+    portamento plan --distance=-0.002 --end-velocity=-0.2 --max-velocity 0.25 \\
+        --max-acceleration 3 --max-jerk 100 --short-path nearest-velocity
+  Several axes, from a file; the request names all that can be set:
+    portamento plan --request move.json
+    {\"axes\": [{\"axis\": \"x\", \"kind\": \"AXIS_KIND_PRISMATIC\",
+      \"goal\": {\"position\": 0.05}, \"limits\": {\"maxVelocity\": 0.25,
+      \"maxAcceleration\": 3, \"maxJerk\": 100}}]}
+  Many at once, an answer a line:
+    portamento plan --batch requests.jsonl > answers.jsonl"
+)]
+pub(crate) struct PlanArgs {
+    #[command(flatten)]
+    pub(crate) one: MoveFlags,
+    /// Plan the PlanRequest in this file, in proto3 JSON; '-' reads standard input.
+    #[arg(long, value_name = "FILE.json", help_heading = "Input from files", conflicts_with_all = ["batch", "MoveFlags"])]
+    pub(crate) request: Option<PathBuf>,
+    /// Plan every line of this file, a PlanRequest in proto3 JSON each, and print a line of JSON for each, in order:
+    /// the PlanResponse, or {"error": ...}. Empty lines are skipped. '-' reads standard input.
+    #[arg(long, value_name = "FILE.jsonl", help_heading = "Input from files",
+        conflicts_with_all = ["MoveFlags", "plot", "output"])]
+    pub(crate) batch: Option<PathBuf>,
+    /// Write a plot of position, velocity, acceleration and jerk over time.
+    #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Save the Plan as JSON, for verify, sample and track.
+    #[arg(long, value_name = "FILE.json", help_heading = "Output")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+/// One axis by flags. `u` is the unit of the axis: m, rad or pulses.
+#[derive(Debug, Default, Args)]
+pub(crate) struct MoveFlags {
+    /// How far to go [u]; negative: backwards.
+    #[arg(long, value_name = "U", help_heading = "Move", conflicts_with = "to")]
+    #[arg(required_unless_present_any = ["to", "request", "batch"])]
+    distance: Option<f64>,
+    /// Where to go [u], instead of how far.
+    #[arg(long, value_name = "U", help_heading = "Move")]
+    to: Option<f64>,
+    /// Where the move begins [u]; 0 if not given.
+    #[arg(long, value_name = "U", help_heading = "Move")]
+    from: Option<f64>,
+    /// Velocity at the start [u/s]; 0 if not given, negative: backwards.
+    #[arg(long, value_name = "U/S", help_heading = "Move")]
+    start_velocity: Option<f64>,
+    /// Velocity at the end [u/s]; 0 if not given, negative: backwards.
+    #[arg(long, value_name = "U/S", help_heading = "Move")]
+    end_velocity: Option<f64>,
+    /// Greatest speed [u/s].
+    #[arg(long, value_name = "U/S", help_heading = "Limits")]
+    #[arg(required_unless_present_any = ["request", "batch"])]
+    max_velocity: Option<f64>,
+    /// Greatest acceleration while speed grows [u/s²].
+    #[arg(long, value_name = "U/S²", help_heading = "Limits")]
+    #[arg(required_unless_present_any = ["request", "batch"])]
+    max_acceleration: Option<f64>,
+    /// Greatest jerk [u/s³].
+    #[arg(long, value_name = "U/S³", help_heading = "Limits")]
+    #[arg(required_unless_present_any = ["request", "batch"])]
+    max_jerk: Option<f64>,
+    /// Greatest acceleration while speed shrinks [u/s²]; as --max-acceleration if not given.
+    #[arg(long, value_name = "U/S²", help_heading = "Limits")]
+    max_deceleration: Option<f64>,
+    /// Speed to cruise at [u/s], at most --max-velocity, which it is if not given.
+    #[arg(long, value_name = "U/S", help_heading = "Limits")]
+    feed_rate: Option<f64>,
+    /// Greatest speed towards falling positions [u/s], 0 forbids it; as --max-velocity if not given.
+    #[arg(long, value_name = "U/S", help_heading = "Limits")]
+    max_velocity_reverse: Option<f64>,
+    /// Least position [u]; none if not given.
+    #[arg(long, value_name = "U", help_heading = "Limits")]
+    min_position: Option<f64>,
+    /// Greatest position [u]; none if not given.
+    #[arg(long, value_name = "U", help_heading = "Limits")]
+    max_position: Option<f64>,
+    /// What the axis moves in, and with it the unit u: prismatic [m] if not given, revolute [rad], or pulses.
+    #[arg(long, value_enum, value_name = "KIND", help_heading = "Axis", hide_possible_values = true)]
+    kind: Option<Kind>,
+    /// Name of the axis; x if not given.
+    #[arg(long, value_name = "NAME", help_heading = "Axis")]
+    axis: Option<String>,
+    /// Shape of the profile; s-curve if not given.
+    #[arg(long, value_enum, value_name = "FAMILY", help_heading = "Method")]
+    family: Option<FamilyName>,
+    /// Order of a polynomial: its highest limited derivative.
+    #[arg(long, value_name = "N", help_heading = "Method")]
+    order: Option<u32>,
+    /// What to do when the path is too short for the end velocity; reject if not given.
+    #[arg(long, value_enum, value_name = "POLICY", help_heading = "Method")]
+    short_path: Option<ShortPath>,
+    /// Time between two setpoints, with its unit, as 1ms, 250us or 0.002s; 1ms if not given.
+    #[arg(long, value_name = "TIME", help_heading = "Method", value_parser = nanoseconds)]
+    cycle_time: Option<i128>,
+    /// Arrive no earlier than this, with its unit, as 1.5s or 800ms.
+    #[arg(long, value_name = "TIME", help_heading = "Method", value_parser = nanoseconds)]
+    minimum_duration: Option<i128>,
+    /// Stretch the move to a whole number of cycles.
+    #[arg(long, help_heading = "Method")]
+    end_on_cycle: bool,
+}
+
+/// Judge a plan: recompute its extremes, joins and end from the pieces alone.
+///
+/// The exit code is 1 where the plan does not pass.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  portamento verify --plan move.json
+  portamento verify --plan move.json --against request.json
+  portamento plan --request request.json --json | portamento verify --plan -")]
+pub(crate) struct VerifyArgs {
+    #[command(flatten)]
+    pub(crate) source: PlanSource,
+    /// Hold the plan against the limits and goals of this PlanRequest in JSON, by axis name, instead of its own;
+    /// what an axis leaves out stays its own.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) against: Option<PathBuf>,
+}
+
+/// Print the setpoints of a plan, cycle by cycle, as CSV.
+///
+/// Numbers have as many digits as it takes to read the same bits back; cycle 0 is the start. The digest through the
+/// last cycle goes to standard error; it is the one that an axis reports for the same setpoints.
+/// A plan that does not pass the judge is refused.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  portamento sample --plan move.json --output move.csv
+  portamento sample --plan move.json --first-cycle 100 --cycles 50
+  portamento sample --plan move.json --json | head -1")]
+pub(crate) struct SampleArgs {
+    #[command(flatten)]
+    pub(crate) source: PlanSource,
+    /// First cycle to print, from 0.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) first_cycle: u64,
+    /// How many cycles to print; to the end of the plan if not given, or 0.
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub(crate) cycles: u64,
+    /// Write to this file instead of standard output.
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+/// Where a plan is read from.
+#[derive(Debug, Args)]
+pub(crate) struct PlanSource {
+    /// The plan: a Plan (from plan --output) or a PlanResponse (from plan --json), in JSON; '-' reads standard input.
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) plan: PathBuf,
+}
+
+/// Say what the reason of a refusal means, and what to do about it.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  portamento explain PATH_TOO_SHORT
+  portamento explain")]
+pub(crate) struct ExplainArgs {
+    /// The reason, as it stands in an error; all of them if not given.
+    #[arg(hide_possible_values = true, ignore_case = true, value_parser = reasons())]
+    pub(crate) reason: Option<Reason>,
+}
+
+fn reasons() -> impl clap::builder::TypedValueParser<Value = Reason> {
+    PossibleValuesParser::new(Reason::ALL.iter().map(|reason| reason.name()))
+        .try_map(|name| name.to_ascii_uppercase().parse::<Reason>())
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Kind {
+    Prismatic,
+    Revolute,
+    Pulses,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FamilyName {
+    SCurve,
+    Trapezoidal,
+    Polynomial,
+    Trigonometric,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ShortPath {
+    /// Refuse, and name the least length.
+    Reject,
+    /// End at the reachable velocity that is closest.
+    NearestVelocity,
+    /// End at the start velocity, as the published eight-type S-curve does.
+    MatchStartVelocity,
+    /// Keep every end condition: overshoot or go back.
+    Reverse,
+}
+
+impl MoveFlags {
+    /// The request that the flags stand for; nothing but clap has checked it.
+    pub(crate) fn to_spec(&self) -> RequestSpec {
+        let start_position = self.from.unwrap_or(0.0);
+        let goal_position = self.to.unwrap_or(start_position + self.distance.unwrap_or(0.0));
+        let limits = LimitsSpec {
+            max_velocity: self.max_velocity.unwrap_or_default(),
+            max_acceleration: self.max_acceleration.unwrap_or_default(),
+            max_jerk: self.max_jerk.unwrap_or_default(),
+            max_deceleration: self.max_deceleration,
+            max_velocity_reverse: self.max_velocity_reverse,
+            min_position: self.min_position,
+            max_position: self.max_position,
+            feed_rate: self.feed_rate,
+            ..LimitsSpec::default()
+        };
+        let at = |position, velocity: Option<f64>| State {
+            position,
+            velocity: velocity.unwrap_or(0.0),
+            acceleration: 0.0,
+        };
+        let axis = AxisMoveSpec {
+            axis: self.axis.clone().unwrap_or_else(|| "x".to_owned()),
+            kind: Ok(match self.kind {
+                None | Some(Kind::Prismatic) => AxisKind::Prismatic,
+                Some(Kind::Revolute) => AxisKind::Revolute,
+                Some(Kind::Pulses) => AxisKind::Pulses,
+            }),
+            start: at(start_position, self.start_velocity),
+            goal: at(goal_position, self.end_velocity),
+            limits,
+        };
+        RequestSpec {
+            axes: vec![axis],
+            cycle_time_ns: self.cycle_time,
+            family: Ok(match self.family {
+                None | Some(FamilyName::SCurve) => Family::SCurve,
+                Some(FamilyName::Trapezoidal) => Family::Trapezoidal,
+                Some(FamilyName::Polynomial) => Family::Polynomial,
+                Some(FamilyName::Trigonometric) => Family::Trigonometric,
+            }),
+            order: self.order,
+            short_path: Ok(match self.short_path {
+                None | Some(ShortPath::Reject) => ShortPathPolicy::Reject,
+                Some(ShortPath::NearestVelocity) => ShortPathPolicy::NearestVelocity,
+                Some(ShortPath::MatchStartVelocity) => ShortPathPolicy::MatchStartVelocity,
+                Some(ShortPath::Reverse) => ShortPathPolicy::Reverse,
+            }),
+            synchronization: Ok(Synchronization::default()),
+            minimum_duration: self.minimum_duration.map(|ns| ns as f64 / 1e9),
+            end_on_cycle: self.end_on_cycle,
+        }
+    }
+}
+
+/// The flag that sets a field of a request made from [`MoveFlags`], so that a refusal speaks of what was typed.
+pub(crate) fn flag_of(field: &str) -> Option<&'static str> {
+    Some(match field {
+        "cycle_time" => "--cycle-time",
+        "family" => "--family",
+        "order" => "--order",
+        "short_path_policy" => "--short-path",
+        "minimum_duration" => "--minimum-duration",
+        "end_on_cycle" => "--end-on-cycle",
+        "axes[0].start.position" => "--from",
+        "axes[0].start.velocity" => "--start-velocity",
+        "axes[0].goal.position" => "--to or --distance",
+        "axes[0].goal.velocity" => "--end-velocity",
+        "axes[0].limits.max_velocity" => "--max-velocity",
+        "axes[0].limits.max_acceleration" => "--max-acceleration",
+        "axes[0].limits.max_jerk" => "--max-jerk",
+        "axes[0].limits.max_deceleration" => "--max-deceleration",
+        "axes[0].limits.max_velocity_reverse" => "--max-velocity-reverse",
+        "axes[0].limits.min_position" => "--min-position",
+        "axes[0].limits.max_position" => "--max-position",
+        "axes[0].limits.feed_rate" => "--feed-rate",
+        _ => return None,
+    })
+}
+
+/// A time with its unit, in whole nanoseconds. Whether it is long enough is for the planner to say.
+fn nanoseconds(text: &str) -> Result<i128, String> {
+    const UNITS: [(&str, f64); 5] = [("ns", 1.0), ("us", 1e3), ("µs", 1e3), ("ms", 1e6), ("s", 1e9)];
+    let (number, scale) = UNITS
+        .iter()
+        .find_map(|(unit, scale)| Some((text.strip_suffix(unit)?, *scale)))
+        .ok_or("give its unit as well: 1ms, 250us or 0.002s")?;
+    let number: f64 = number.trim().parse().map_err(|_| format!("{number:?} is not a number"))?;
+    let ns = (number * scale).round();
+    // Beyond this a double does not count nanoseconds any more, and no plan lasts as long.
+    const LONGEST_NS: f64 = 9e15;
+    if ns.abs() <= LONGEST_NS { Ok(ns as i128) } else { Err("give at most 9000000s".to_owned()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn flags_are_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn times_have_units() {
+        let rows = [("1ms", 1_000_000), ("250us", 250_000), ("0.002s", 2_000_000), ("-1 ms", -1_000_000)];
+        for (text, ns) in rows {
+            assert_eq!(nanoseconds(text), Ok(ns), "{text}");
+        }
+        for text in ["1", "ms", "NaNs", "1e300s"] {
+            assert!(nanoseconds(text).is_err(), "{text}");
+        }
+    }
+}

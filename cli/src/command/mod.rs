@@ -1,0 +1,38 @@
+//! One file for each subcommand.
+
+mod explain;
+mod plan;
+mod sample;
+mod verify;
+
+use std::io::{self, BufWriter};
+
+use clap::Parser as _;
+
+use crate::args::{Cli, Command};
+use crate::failure::Failure;
+use crate::show::paint::{Paint, Screen};
+
+/// Reads the command line, does what it says, tells what went wrong; returns the exit code.
+pub(crate) fn run() -> u8 {
+    let Cli { global, command } = Cli::parse();
+    let (stdout, stderr) = (io::stdout(), io::stderr());
+    let (paint, notes_paint) = (Paint::new(global.color, &stdout), Paint::new(global.color, &stderr));
+    let mut out = BufWriter::with_capacity(1 << 16, stdout.lock());
+    let mut notes = stderr.lock();
+    let json = global.json;
+    let mut screen = Screen { out: &mut out, notes: &mut notes, paint, notes_paint, json };
+    let endpoint = global.endpoint.as_deref();
+    let done = match &command {
+        Command::Plan(args) => plan::run(args, endpoint, &mut screen),
+        Command::Verify(args) => verify::run(args, endpoint, &mut screen),
+        Command::Sample(args) => sample::run(args, endpoint, &mut screen),
+        Command::Explain(args) => explain::run(args, &mut screen),
+    };
+    let done = done.and_then(|()| screen.out.flush().map_err(Failure::from));
+    let Err(failure) = done else { return 0 };
+    // What was printed before the failure comes before its message. Where neither can be written, nobody listens.
+    let _ = screen.out.flush();
+    let _ = screen.tell(&failure);
+    failure.exit_code()
+}

@@ -1,0 +1,86 @@
+//! Why a command did not do what it was asked, and the exit code that says so.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use proto::{JsonError, Rejected};
+
+/// Everything that ends a command early.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    /// The judge does not pass the plan. The command has said so already.
+    #[error("the plan does not pass")]
+    NotPassed,
+    /// The answer could not be given.
+    #[error("{path} cannot be written: {cause}: choose a place that can be, with room left", path = place(.path))]
+    Unwritable { path: PathBuf, cause: io::Error },
+    /// The answer could not be computed or drawn, through no fault of the caller's.
+    #[error("{0}")]
+    Internal(String),
+    /// Something that was named on the command line cannot be read.
+    #[error("{path} cannot be read: {cause}: name a file that can be, or - for standard input", path = place(.path))]
+    Unreadable { path: PathBuf, cause: io::Error },
+    /// It can be read, and is something else.
+    #[error("{path} is not a {expected} in proto3 JSON: {cause}", path = place(.path))]
+    NotAMessage { path: PathBuf, expected: &'static str, cause: JsonError },
+    /// The planner, or the server, says no.
+    #[error("{0}")]
+    Refused(Box<Rejected>),
+    /// Nobody answers.
+    #[error(
+        "{endpoint} cannot be reached: {cause}: start portamento-server there, or leave --endpoint out to plan in this process"
+    )]
+    Unreachable { endpoint: String, cause: String },
+    /// Whoever read the output has gone: a quiet end.
+    #[error("the reader has gone")]
+    ReaderGone,
+}
+
+impl Failure {
+    /// What the process ends with.
+    pub(crate) fn exit_code(&self) -> u8 {
+        match self {
+            Self::ReaderGone => 0,
+            Self::NotPassed | Self::Unwritable { .. } | Self::Internal(_) => 1,
+            Self::Unreadable { .. } | Self::NotAMessage { .. } => 2,
+            Self::Refused(_) => 3,
+            Self::Unreachable { .. } => 4,
+        }
+    }
+
+    /// The refusal for `rejected`, or for what becomes one.
+    pub(crate) fn refused(rejected: impl Into<Rejected>) -> Self {
+        Self::Refused(Box::new(rejected.into()))
+    }
+
+    /// Why something could not be written to `path`.
+    pub(crate) fn unwritable(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        move |cause| Self::Unwritable { path: path.to_owned(), cause }
+    }
+
+    /// Why something could not be read from `path`.
+    pub(crate) fn unreadable(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        move |cause| Self::Unreadable { path: path.to_owned(), cause }
+    }
+}
+
+/// Of standard output: files say their name.
+impl From<io::Error> for Failure {
+    fn from(cause: io::Error) -> Self {
+        match cause.kind() {
+            io::ErrorKind::BrokenPipe => Self::ReaderGone,
+            _ => Self::Unwritable { path: PathBuf::from("-"), cause },
+        }
+    }
+}
+
+impl From<JsonError> for Failure {
+    fn from(error: JsonError) -> Self {
+        Self::Internal(error.to_string())
+    }
+}
+
+/// How a file is called in a sentence.
+fn place(path: &Path) -> String {
+    if path.as_os_str() == "-" { "standard input or output".to_owned() } else { path.display().to_string() }
+}

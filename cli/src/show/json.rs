@@ -1,0 +1,38 @@
+//! Messages as JSON, one a line: beside `source` the only place of this tool that names wire types.
+
+use planner::{Certificate, Judged};
+use proto::stream::Columns;
+use proto::{Digest, JsonError, Rejected, pb};
+
+/// A `PlanResponse`.
+pub(crate) fn plan_response(judged: &Judged) -> Result<String, JsonError> {
+    proto::to_json(&pb::PlanResponse { plan: Some(proto::plan_to_wire(judged)) })
+}
+
+/// A `Plan`, over several lines, to be kept in a file.
+pub(crate) fn plan_file(judged: &Judged) -> Result<String, JsonError> {
+    proto::to_json_pretty(&proto::plan_to_wire(judged))
+}
+
+/// A `VerifyPlanResponse`.
+pub(crate) fn verify_response(certificate: &Certificate) -> Result<String, JsonError> {
+    proto::to_json(&pb::VerifyPlanResponse { certificate: Some(certificate.into()) })
+}
+
+/// A `SamplePlanResponse`.
+pub(crate) fn sample_response(
+    first_cycle: u64,
+    columns: Columns,
+    digest: Digest,
+) -> Result<String, JsonError> {
+    // A chunk is far shorter than 2³² cycles.
+    let cycles = columns.cycles() as u32;
+    let [position, velocity, acceleration, jerk] = columns.into_parts();
+    let columns = pb::SetpointColumns { cycles, position, velocity, acceleration, jerk };
+    proto::to_json(&pb::SamplePlanResponse { first_cycle, columns: Some(columns), digest: digest.into() })
+}
+
+/// `{"error": …}`
+pub(crate) fn error(rejected: &Rejected) -> String {
+    rejected.to_json().to_string()
+}

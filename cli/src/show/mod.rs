@@ -1,0 +1,8 @@
+//! How answers look: tables and paragraphs for people, JSON and CSV for programs, plots for both.
+
+pub(crate) mod csv;
+pub(crate) mod json;
+pub(crate) mod number;
+pub(crate) mod paint;
+pub(crate) mod plot;
+pub(crate) mod table;

@@ -1,0 +1,162 @@
+//! What is read: files and standard input, and the messages in them. Beside `show/json` the only place of this tool
+//! that names wire types.
+
+use std::fs::File;
+use std::io::{self, BufRead as _, BufReader, Read};
+use std::path::Path;
+
+use planner::{Limits, Plan, RequestSpec, State};
+use proto::{JsonError, Reason, Rejected, pb};
+
+use crate::failure::Failure;
+
+/// The longest line that is taken [bytes]: a request of 64 axes has about 20 kB.
+const LONGEST_LINE: usize = 4 << 20;
+
+/// The request in a file.
+pub(crate) fn request(path: &Path) -> Result<RequestSpec, Failure> {
+    let request = proto::from_json::<pb::PlanRequest>(&text(path)?).map_err(not_a("PlanRequest", path))?;
+    Ok(request.into())
+}
+
+/// The plan in a file, from a Plan or a PlanResponse; and whether its fingerprint is that of another plan.
+pub(crate) fn plan(path: &Path) -> Result<(Plan, bool), Failure> {
+    let text = text(path)?;
+    let wrapped =
+        serde_json::from_str(&text).is_ok_and(|value: serde_json::Value| value.get("plan").is_some());
+    let wire = if wrapped {
+        let response = proto::from_json::<pb::PlanResponse>(&text).map_err(not_a("PlanResponse", path))?;
+        response.plan.unwrap_or_default()
+    } else {
+        proto::from_json::<pb::Plan>(&text).map_err(not_a("Plan", path))?
+    };
+    let changed = !wire.fingerprint.is_empty() && wire.fingerprint != proto::fingerprint(&wire);
+    let plan = proto::plan_from_wire(wire).map_err(Failure::refused)?;
+    Ok((plan, changed))
+}
+
+/// What a plan is held against, from the axes of a request: one pair for each axis of the plan.
+pub(crate) fn against(path: &Path, plan: &Plan) -> Result<Vec<(Limits, State)>, Failure> {
+    let request = proto::from_json::<pb::PlanRequest>(&text(path)?).map_err(not_a("PlanRequest", path))?;
+    proto::against_from_wire(plan, request.axes).map_err(Failure::refused)
+}
+
+/// The requests of a file, line by line.
+pub(crate) struct Lines {
+    reader: BufReader<Box<dyn Read>>,
+    /// Of the line that was read last, from 1.
+    number: u64,
+}
+
+/// One line that is not empty.
+pub(crate) struct Line {
+    number: u64,
+    text: Text,
+}
+
+enum Text {
+    Bytes(Vec<u8>),
+    TooLong,
+}
+
+impl Lines {
+    pub(crate) fn open(path: &Path) -> Result<Self, Failure> {
+        let reader: Box<dyn Read> = if path.as_os_str() == "-" {
+            Box::new(io::stdin().lock())
+        } else {
+            Box::new(File::open(path).map_err(Failure::unreadable(path))?)
+        };
+        Ok(Self { reader: BufReader::with_capacity(1 << 18, reader), number: 0 })
+    }
+
+    /// The next lines: at least one unless the input has ended, and at most `most`; does not wait for the second.
+    pub(crate) fn next(&mut self, most: usize) -> io::Result<Vec<Line>> {
+        let mut lines = Vec::new();
+        while lines.len() < most {
+            let Some(line) = self.line()? else { break };
+            let blank = matches!(&line.text, Text::Bytes(bytes) if bytes.trim_ascii().is_empty());
+            if !blank {
+                lines.push(line);
+            }
+            let another_is_here = self.reader.buffer().contains(&b'\n');
+            if !lines.is_empty() && !another_is_here {
+                break;
+            }
+        }
+        Ok(lines)
+    }
+
+    fn line(&mut self) -> io::Result<Option<Line>> {
+        let mut bytes = Vec::new();
+        if self.reader.by_ref().take(LONGEST_LINE as u64).read_until(b'\n', &mut bytes)? == 0 {
+            return Ok(None);
+        }
+        self.number += 1;
+        let number = self.number;
+        if bytes.len() < LONGEST_LINE || bytes.ends_with(b"\n") {
+            return Ok(Some(Line { number, text: Text::Bytes(bytes) }));
+        }
+        self.reader.skip_until(b'\n')?;
+        Ok(Some(Line { number, text: Text::TooLong }))
+    }
+}
+
+impl Line {
+    /// The request of the line, or why it is none.
+    pub(crate) fn request(&self) -> Result<RequestSpec, Rejected> {
+        let bytes = match &self.text {
+            Text::Bytes(bytes) => bytes,
+            Text::TooLong => {
+                let message =
+                    format!("line {} is longer than {LONGEST_LINE} bytes: split the request", self.number);
+                return Err(self.refusal(Reason::MessageTooLarge, message));
+            }
+        };
+        let text = str::from_utf8(bytes).map_err(|error| {
+            let message = format!(
+                "line {}, byte {} is not UTF-8: write JSON in UTF-8",
+                self.number,
+                error.valid_up_to() + 1
+            );
+            self.refusal(Reason::ProtocolOrder, message)
+        })?;
+        proto::from_json::<pb::PlanRequest>(text)
+            .map(RequestSpec::from)
+            .map_err(|error| self.unreadable(text, &error))
+    }
+
+    /// No reason of the contract says "not a message": the closest is that of a message where it does not belong. A
+    /// number that JSON cannot carry has one of its own.
+    fn unreadable(&self, text: &str, error: &JsonError) -> Rejected {
+        let (column, cause) = match error {
+            JsonError::Read { column, cause, .. } => (*column, cause.as_str()),
+            JsonError::Write { cause } => (1, cause.as_str()),
+        };
+        let number = self.number;
+        let from = text.floor_char_boundary(column.saturating_sub(1));
+        let word = text[from..].trim_start();
+        let not_finite = ["NaN", "-NaN", "Infinity", "-Infinity", "nan", "inf"];
+        let beyond =
+            cause.contains("out of range") || text[..from].ends_with('-') && word.starts_with("Infinity");
+        let (reason, way_out) = if beyond || not_finite.iter().any(|name| word.starts_with(name)) {
+            (Reason::NotFinite, "give finite numbers")
+        } else {
+            (Reason::ProtocolOrder, "give one PlanRequest in proto3 JSON a line")
+        };
+        self.refusal(reason, format!("line {number}, column {column}: {cause}: {way_out}"))
+    }
+
+    fn refusal(&self, reason: Reason, message: String) -> Rejected {
+        Rejected::new(reason, message).with("line", self.number)
+    }
+}
+
+fn text(path: &Path) -> Result<String, Failure> {
+    let read =
+        if path.as_os_str() == "-" { io::read_to_string(io::stdin()) } else { std::fs::read_to_string(path) };
+    read.map_err(Failure::unreadable(path))
+}
+
+fn not_a(expected: &'static str, path: &Path) -> impl FnOnce(JsonError) -> Failure {
+    move |cause| Failure::NotAMessage { path: path.to_owned(), expected, cause }
+}
