@@ -260,10 +260,14 @@ pub(crate) fn of_tracking(plan: &Plan, tracked: &Tracked) -> Figure {
         panel("Following error", unit.clone(), vec![did("measured", &tracked.following_error)]),
     ];
     let rest = planned.into_iter().filter(|panel| matches!(panel.title.as_str(), "Acceleration" | "Jerk"));
+    let until = times.last().copied().unwrap_or_default();
     figure.panels.extend(rest.map(|mut panel| {
         for series in &mut panel.series {
             "commanded".clone_into(&mut series.name);
-            (series.ink, series.stroke) = (Ink::Number(4), Stroke::Under);
+            series.ink = Ink::Number(4);
+            // The axis is watched for longer than it moves.
+            let held = series.points.last().filter(|last| last.0 < until).map(|last| (until, last.1));
+            series.points.extend(held);
         }
         panel
     }));
@@ -502,8 +506,10 @@ impl Panel {
     /// The limits that no curve comes near, though it goes that way.
     fn unseen(&self) -> Vec<f64> {
         let (low, high) = self.extent();
+        // A ripple about zero does not go anywhere.
+        let some = 0.05 * (high - low);
         let heads_for =
-            |value: f64| self.title == "Position" || if value < 0.0 { low < 0.0 } else { high > 0.0 };
+            |value: f64| self.title == "Position" || if value < 0.0 { -low > some } else { high > some };
         let away = |limit: &&Limit| !self.sees(limit) && heads_for(limit.value);
         self.limits.iter().filter(away).map(|limit| limit.value).collect()
     }
@@ -617,7 +623,7 @@ impl Canvas<'_, '_> {
         if !unseen.is_empty() {
             let values: Vec<_> = unseen.iter().take(4).map(|value| signed(*value)).collect();
             let text = format!("limit off scale: {} {}", values.join(", "), panel.unit);
-            self.text(&text, (RIGHT - 4.0, top + 10.0), &label(11.0, QUIET, HPos::Right))?;
+            self.text(&text, (LEFT + 8.0, top + 10.0), &label(10.5, QUIET, HPos::Left))?;
         }
         Ok(())
     }

@@ -260,18 +260,29 @@ fn fitted(table: impl Fn(i32) -> Table) -> Table {
     let mut digits = *DIGITS.end();
     loop {
         let fitting = table(digits);
-        if fitting.width() <= WIDTH || digits == *DIGITS.start() {
+        if fitting.width() <= WIDTH {
             return fitting;
+        }
+        if digits == *DIGITS.start() {
+            return Table { gap: " ", ..fitting };
         }
         digits -= 1;
     }
 }
 
 /// Columns of text, each as wide as its widest cell.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Table {
     columns: Vec<Column>,
     verdicts: Vec<Verdict>,
+    /// Between columns.
+    gap: &'static str,
+}
+
+impl Default for Table {
+    fn default() -> Self {
+        Self { columns: Vec::new(), verdicts: Vec::new(), gap: "  " }
+    }
 }
 
 #[derive(Debug)]
@@ -330,8 +341,9 @@ impl Table {
 
     fn width(&self) -> usize {
         let verdicts =
-            self.verdicts.iter().map(|verdict| verdict.text().len() + GAP.len()).max().unwrap_or(0);
-        INDENT.len() + self.columns.iter().map(|column| column.width + GAP.len()).sum::<usize>() - GAP.len()
+            self.verdicts.iter().map(|verdict| verdict.text().len() + self.gap.len()).max().unwrap_or(0);
+        INDENT.len() + self.columns.iter().map(|column| column.width + self.gap.len()).sum::<usize>()
+            - self.gap.len()
             + verdicts
     }
 
@@ -339,31 +351,30 @@ impl Table {
         let mut text = String::new();
         let rows = self.columns.first().map_or(0, |column| column.cells.len());
         for heading in [
-            Self::line(self.columns.iter().map(|c| (c, &c.heading))),
-            Self::line(self.columns.iter().map(|c| (c, &c.unit))),
+            self.line(self.columns.iter().map(|c| (c, &c.heading))),
+            self.line(self.columns.iter().map(|c| (c, &c.unit))),
         ] {
             if !heading.trim().is_empty() {
                 text.push_str(&format!("{}\n", paint.quiet(&heading)));
             }
         }
         for row in 0..rows {
-            text.push_str(&Self::line(self.columns.iter().map(|column| (column, &column.cells[row]))));
+            text.push_str(&self.line(self.columns.iter().map(|column| (column, &column.cells[row]))));
             if let Some(verdict) = self.verdicts.get(row) {
-                text.push_str(&format!("{GAP}{}", verdict.painted(paint)));
+                text.push_str(&format!("{}{}", self.gap, verdict.painted(paint)));
             }
             text.push('\n');
         }
         text
     }
 
-    fn line<'a>(cells: impl Iterator<Item = (&'a Column, &'a String)>) -> String {
+    fn line<'a>(&self, cells: impl Iterator<Item = (&'a Column, &'a String)>) -> String {
         let cells = cells.map(|(column, cell)| {
             let width = column.width;
             if column.right { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
         });
-        format!("{INDENT}{}", cells.collect::<Vec<_>>().join(GAP)).trim_end().to_owned()
+        format!("{INDENT}{}", cells.collect::<Vec<_>>().join(self.gap)).trim_end().to_owned()
     }
 }
 
 const INDENT: &str = "  ";
-const GAP: &str = "  ";
