@@ -212,7 +212,7 @@ impl Columns {
     /// How many axes there are; 0 where there is no cycle.
     #[must_use]
     pub fn axes(&self) -> usize {
-        if self.cycles == 0 { 0 } else { self.position.len() / self.cycles }
+        self.position.len().checked_div(self.cycles).unwrap_or(0)
     }
 
     /// The setpoint of `axis` at the `index`th cycle.

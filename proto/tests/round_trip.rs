@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 use planner::{Judged, Limits, LimitsSpec, Request, RequestSpec, State};
-use prost::Message;
 use proptest::prelude::*;
+use prost::Message;
 use proto::stream::{Columns, FromAxis, Open, Report, StreamEvent, StreamEventKind, ToAxis};
 use proto::{Digest, pb, plan_from_wire, plan_to_wire, request_from_wire, request_to_wire};
 
