@@ -1,12 +1,10 @@
-use planner::{
-    AxisMoveSpec, Field, InvalidFields, Limits, LimitsSpec, Plan, Request, RequestSpec, State, Why,
-};
+use planner::{AxisMoveSpec, Field, InvalidFields, Limits, LimitsSpec, Plan, RequestSpec, State, Why};
 
 use super::choice::{
     family_from_wire, family_to_wire, kind_from_wire, kind_to_wire, short_path_from_wire, short_path_to_wire,
     synchronization_from_wire, synchronization_to_wire,
 };
-use super::duration_to_ns;
+use super::{duration_to_ns, ns_to_duration};
 use crate::pb;
 
 impl From<pb::AxisMove> for AxisMoveSpec {
@@ -47,28 +45,50 @@ impl From<pb::PlanRequest> for RequestSpec {
     }
 }
 
-impl From<&Request> for pb::PlanRequest {
-    fn from(request: &Request) -> Self {
+impl From<AxisMoveSpec> for pb::AxisMove {
+    fn from(spec: AxisMoveSpec) -> Self {
+        let AxisMoveSpec { axis, kind, start, goal, limits } = spec;
         Self {
-            axes: request
-                .axes()
-                .iter()
-                .map(|axis| pb::AxisMove {
-                    axis: axis.axis.clone(),
-                    kind: kind_to_wire(axis.kind),
-                    start: Some(axis.problem.start().into()),
-                    goal: Some(axis.problem.goal().into()),
-                    limits: Some(axis.problem.limits().into()),
-                })
-                .collect(),
-            cycle_time: Some(super::cycle_time_to_wire(request.cycle_time())),
-            family: family_to_wire(planner::Family::SCurve),
-            order: None,
-            short_path_policy: short_path_to_wire(request.short_path()),
-            synchronization: synchronization_to_wire(request.synchronization()),
-            minimum_duration: None,
-            end_on_cycle: false,
+            axis,
+            kind: choice_to_wire(kind, kind_to_wire),
+            start: Some(start.into()),
+            goal: Some(goal.into()),
+            limits: Some(limits.into()),
         }
+    }
+}
+
+impl From<RequestSpec> for pb::PlanRequest {
+    fn from(spec: RequestSpec) -> Self {
+        let RequestSpec {
+            axes,
+            cycle_time_ns,
+            family,
+            order,
+            short_path,
+            synchronization,
+            minimum_duration,
+            end_on_cycle,
+        } = spec;
+        Self {
+            axes: axes.into_iter().map(Into::into).collect(),
+            cycle_time: cycle_time_ns.map(ns_to_duration),
+            family: choice_to_wire(family, family_to_wire),
+            order,
+            short_path_policy: choice_to_wire(short_path, short_path_to_wire),
+            synchronization: choice_to_wire(synchronization, synchronization_to_wire),
+            minimum_duration: minimum_duration.map(|seconds| ns_to_duration((seconds * 1e9) as i128)),
+            end_on_cycle,
+        }
+    }
+}
+
+/// The number of a choice; of one that could not be read, the number that was given, so that whoever answers says so.
+fn choice_to_wire<T>(choice: Result<T, Why>, to_wire: impl FnOnce(T) -> i32) -> i32 {
+    match choice {
+        Ok(choice) => to_wire(choice),
+        Err(Why::UnknownChoice { given, .. }) => given,
+        Err(_) => 0,
     }
 }
 
