@@ -13,7 +13,7 @@ mod state;
 mod stream;
 
 pub use plan::{plan_from_wire, plan_to_wire};
-pub use request::against_from_wire;
+pub use request::{Against, against};
 pub use stream::{request_from_wire, request_to_wire, response_from_wire, response_to_wire};
 
 use prost_types::Duration;

@@ -92,21 +92,41 @@ fn choice_to_wire<T>(choice: Result<T, Why>, to_wire: impl FnOnce(T) -> i32) -> 
     }
 }
 
-/// Other limits or goals to hold a plan against: one pair for each axis of the plan, its own where nothing else is said.
+/// Other limits, or another goal, to hold one axis of a plan against.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Against {
+    /// The axis's name.
+    pub axis: String,
+    /// Other limits; `None`: its own.
+    pub limits: Option<LimitsSpec>,
+    /// Another goal; `None`: its own.
+    pub goal: Option<State>,
+}
+
+impl From<pb::AxisMove> for Against {
+    fn from(wire: pb::AxisMove) -> Self {
+        let pb::AxisMove { axis, kind: _, start: _, goal, limits } = wire;
+        Self { axis, limits: limits.map(Into::into), goal: goal.map(Into::into) }
+    }
+}
+
+impl From<Against> for pb::AxisMove {
+    fn from(against: Against) -> Self {
+        let Against { axis, limits, goal } = against;
+        Self { axis, goal: goal.map(Into::into), limits: limits.map(Into::into), ..Self::default() }
+    }
+}
+
+/// What to hold each axis of a plan against, in plan order: its own limits and goal where nothing else is said.
 ///
 /// # Errors
-/// A name that no axis of the plan has, or that is there twice; invalid limits or goals.
-pub fn against_from_wire(
-    plan: &Plan,
-    against: Vec<pb::AxisMove>,
-) -> Result<Vec<(Limits, State)>, InvalidFields> {
+/// A name that no axis of the plan has, or that is there twice; invalid limits or goals. Paths begin with `against`.
+pub fn against(plan: &Plan, others: Vec<Against>) -> Result<Vec<(Limits, State)>, InvalidFields> {
     let mut pairs: Vec<_> =
         plan.axes().iter().map(|axis| (axis.limits.clone(), axis.goal_to_reach())).collect();
     let mut seen: Vec<String> = Vec::new();
     let mut invalid = InvalidFields::default();
-    for (index, pb::AxisMove { axis: name, kind: _, start: _, goal, limits }) in
-        against.into_iter().enumerate()
-    {
+    for (index, Against { axis: name, limits, goal }) in others.into_iter().enumerate() {
         let outer = Field::element("against", index);
         let named = Field::named("axis").within(&outer);
         if seen.contains(&name) {
@@ -120,16 +140,19 @@ pub fn against_from_wire(
         };
         seen.push(name);
         if let Some(limits) = limits {
-            let limits = Limits::try_from(LimitsSpec::from(limits));
-            if let Some(limits) = invalid.take(&Field::named("limits").within(&outer), limits) {
-                pairs[place].0 = limits;
-            }
+            let limits = invalid.take(&Field::named("limits").within(&outer), Limits::try_from(limits));
+            pairs[place].0 = limits.unwrap_or_else(|| pairs[place].0.clone());
         }
         if let Some(goal) = goal {
-            pairs[place].1 = goal.into();
-            if !pairs[place].1.is_finite() {
-                let why = Why::NotFinite { given: f64::NAN };
-                invalid.note(Field::named("goal").within(&outer).as_str(), Some(why));
+            pairs[place].1 = goal;
+            let parts = [
+                ("position", goal.position),
+                ("velocity", goal.velocity),
+                ("acceleration", goal.acceleration),
+            ];
+            for (part, given) in parts {
+                let field = Field::named(part).within(&Field::named("goal").within(&outer));
+                invalid.note(field.as_str(), (!given.is_finite()).then_some(Why::NotFinite { given }));
             }
         }
     }

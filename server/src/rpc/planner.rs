@@ -1,6 +1,6 @@
 use ::planner::{Judged, Request as PlanRequest, RequestSpec, certify, certify_against};
 use proto::pb::planner_service_server::PlannerService;
-use proto::{Rejected, against_from_wire, pb, plan_from_wire, plan_to_wire};
+use proto::{Rejected, pb, plan_from_wire, plan_to_wire};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
@@ -30,7 +30,7 @@ fn verify(wire: pb::VerifyPlanRequest) -> Result<pb::VerifyPlanResponse, Rejecte
     let certificate = if against.is_empty() {
         certify(&plan)
     } else {
-        let pairs = against_from_wire(&plan, against)?;
+        let pairs = proto::against(&plan, against.into_iter().map(Into::into).collect())?;
         certify_against(&plan, pairs.iter().map(|(limits, goal)| (limits, *goal)))
     };
     Ok(pb::VerifyPlanResponse { certificate: Some((&certificate).into()) })
