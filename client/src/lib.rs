@@ -1,1 +1,175 @@
-//! To come.
+//! What a cell controller or an axis gateway links: plans, and streams of setpoints.
+//!
+//! - [`Client`]: asks a server for plans, and opens streams
+//! - [`Setpoints`]: the cycles of a stream in order; a gap is an error, not a shrug
+//! - [`Buffer`]: the rule by which an axis accepts setpoints, for those who own the clock: no allocation, no waiting
+//! - [`Link`]: the messages of a stream as they come, for those who own a buffer
+//!
+//! Domain types go in and come out; the wire stays inside.
+
+mod buffer;
+mod error;
+mod join;
+mod link;
+mod setpoints;
+
+use std::time::Duration;
+
+use planner::{Certificate, Judged, Plan, RequestSpec};
+use proto::pb::planner_service_client::PlannerServiceClient;
+use proto::pb::setpoint_service_client::SetpointServiceClient;
+use proto::stream::{Columns, Open};
+use proto::{Against, Digest, pb};
+use tonic::Streaming;
+use tonic::transport::{Channel, Endpoint};
+
+pub use buffer::{Buffer, Playing, Standing};
+pub use error::Error;
+pub use join::JoinRule;
+pub use link::{Link, Reports};
+pub use setpoints::Setpoints;
+
+/// A connection to one server.
+#[derive(Clone, Debug)]
+pub struct Client {
+    endpoint: String,
+    planner: PlannerServiceClient<Channel>,
+    setpoints: SetpointServiceClient<Channel>,
+}
+
+/// How long a connection may take.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
+/// What a stream, and a connection, may hold unread [bytes]: larger than any lead, so that credit does the pacing.
+const STREAM_WINDOW: u32 = 4 << 20;
+const CONNECTION_WINDOW: u32 = 16 << 20;
+/// The largest message [bytes].
+const MAX_MESSAGE: usize = 64 << 20;
+
+impl Client {
+    /// Connects to the server at `endpoint`: `http://127.0.0.1:50051`, or without the scheme.
+    ///
+    /// # Errors
+    /// [`Error::Unreachable`] where nobody answers, or where the address is none.
+    pub async fn connect(endpoint: &str) -> Result<Self, Error> {
+        let address = if endpoint.contains("://") { endpoint.into() } else { format!("http://{endpoint}") };
+        let unreachable = |error| Error::unreachable(endpoint, &error);
+        let channel = Endpoint::from_shared(address)
+            .map_err(unreachable)?
+            .connect_timeout(CONNECT_TIMEOUT)
+            .initial_stream_window_size(STREAM_WINDOW)
+            .initial_connection_window_size(CONNECTION_WINDOW)
+            .http2_keep_alive_interval(Duration::from_secs(10))
+            .keep_alive_timeout(Duration::from_secs(5))
+            .tcp_nodelay(true)
+            .connect()
+            .await
+            .map_err(unreachable)?;
+        Ok(Self {
+            endpoint: endpoint.into(),
+            planner: PlannerServiceClient::new(channel.clone())
+                .max_decoding_message_size(MAX_MESSAGE)
+                .max_encoding_message_size(MAX_MESSAGE),
+            setpoints: SetpointServiceClient::new(channel).max_decoding_message_size(MAX_MESSAGE),
+        })
+    }
+
+    /// Where the server is, as it was given.
+    #[must_use]
+    pub fn endpoint(&self) -> &str {
+        &self.endpoint
+    }
+
+    /// Plans a move. The certificate is computed here again, from the segments that came.
+    ///
+    /// # Errors
+    /// [`Error::Rejected`] with every invalid field, or with what cannot be met.
+    pub async fn plan(&self, request: RequestSpec) -> Result<Judged, Error> {
+        let response = self.planner.clone().plan(pb::PlanRequest::from(request)).await;
+        let plan = self.answer(response)?.plan.unwrap_or_default();
+        Ok(Judged::new(proto::plan_from_wire(plan).map_err(Error::unreadable)?))
+    }
+
+    /// Asks the server's judge about a plan, held against its own limits and goals, or against others.
+    ///
+    /// # Errors
+    /// [`Error::Rejected`] for what is not a plan, or for an axis that it does not have.
+    pub async fn verify(&self, plan: &Plan, against: Vec<Against>) -> Result<Certificate, Error> {
+        let request = pb::VerifyPlanRequest {
+            plan: Some(proto::plan_to_wire(&Judged::new(plan.clone()))),
+            against: against.into_iter().map(Into::into).collect(),
+        };
+        let response = self.planner.clone().verify_plan(request).await;
+        let certificate = self.answer(response)?.certificate.unwrap_or_default();
+        certificate.try_into().map_err(Error::unreadable)
+    }
+
+    /// Reads out a plan from `first_cycle` on; `cycles` 0 is to the end.
+    ///
+    /// # Errors
+    /// [`Error::Rejected`] for a plan that the judge rejects, or cycles that it does not have.
+    pub async fn sample(&self, plan: &Judged, first_cycle: u64, cycles: u64) -> Result<Samples, Error> {
+        let plan = Some(proto::plan_to_wire(plan));
+        let request = pb::SamplePlanRequest { plan, first_cycle, cycles };
+        let response = self.planner.clone().sample_plan(request).await;
+        Ok(Samples { endpoint: self.endpoint.clone(), incoming: self.answer(response)? })
+    }
+
+    /// The digest of a plan's setpoints, from cycle 1 to its last.
+    ///
+    /// # Errors
+    /// Those of [`sample`](Self::sample).
+    pub async fn digest(&self, plan: &Judged) -> Result<Digest, Error> {
+        let mut samples = self.sample(plan, 0, 0).await?;
+        let mut digest = Digest::ZERO;
+        while let Some(chunk) = samples.next().await? {
+            digest = chunk.digest;
+        }
+        Ok(digest)
+    }
+
+    /// Opens a stream of setpoints, as messages.
+    ///
+    /// # Errors
+    /// [`Error::Unreachable`]; refusals come as the first message.
+    pub async fn open(&self, open: Open) -> Result<(Reports, Link), Error> {
+        link::open(self.setpoints.clone(), &self.endpoint, open).await
+    }
+
+    fn answer<T>(&self, response: Result<tonic::Response<T>, tonic::Status>) -> Result<T, Error> {
+        response
+            .map(tonic::Response::into_inner)
+            .map_err(|status| Error::from_status(&self.endpoint, &status))
+    }
+}
+
+/// The setpoints of a plan, chunk by chunk.
+#[derive(Debug)]
+pub struct Samples {
+    endpoint: String,
+    incoming: Streaming<pb::SamplePlanResponse>,
+}
+
+/// Consecutive cycles of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chunk {
+    /// The first of them.
+    pub first_cycle: u64,
+    /// The setpoints.
+    pub columns: Columns,
+    /// Of the plan's setpoints from cycle 1 through the last of the columns.
+    pub digest: Digest,
+}
+
+impl Samples {
+    /// The next chunk; `None` at the end.
+    ///
+    /// # Errors
+    /// A server that is gone, or that sends columns of different lengths.
+    pub async fn next(&mut self) -> Result<Option<Chunk>, Error> {
+        let message = self.incoming.message().await;
+        let message = message.map_err(|status| Error::from_status(&self.endpoint, &status))?;
+        let Some(pb::SamplePlanResponse { first_cycle, columns, digest }) = message else { return Ok(None) };
+        let columns = Columns::try_from(columns.unwrap_or_default()).map_err(Error::unreadable)?;
+        Ok(Some(Chunk { first_cycle, columns, digest: Digest::from(digest) }))
+    }
+}

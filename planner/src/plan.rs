@@ -172,7 +172,7 @@ impl Plan {
     #[must_use]
     pub fn sampler(&self) -> Sampler<'_> {
         let cursors = self.axes.iter().map(|axis| Cursor::new(&axis.profile)).collect();
-        Sampler { cycle_time: self.cycle_time, cursors }
+        Sampler { cycle_time: self.cycle_time, cycle_count: self.cycle_count, cursors }
     }
 
     /// The same motion with a jerk-limited stop after it, for a plan that ends at speed; and the first cycle of that
@@ -228,22 +228,28 @@ impl AxisPlan {
 #[derive(Clone, Debug)]
 pub struct Sampler<'a> {
     cycle_time: CycleTime,
+    cycle_count: u64,
     cursors: Vec<Cursor<'a>>,
 }
 
 impl Sampler<'_> {
     /// The setpoints of all axes at `cycle`, in plan order.
     pub fn at(&mut self, cycle: u64) -> impl Iterator<Item = Setpoint> {
-        let time = self.cycle_time.start_of(cycle);
+        let time = self.time_of(cycle);
         self.cursors.iter_mut().map(move |cursor| cursor.at(time))
     }
 
     /// The setpoints of axis number `axis` at `cycles`, appended column by column.
     pub fn columns(&mut self, axis: usize, cycles: core::ops::Range<u64>, mut put: impl FnMut(Setpoint)) {
-        let cursor = &mut self.cursors[axis];
         for cycle in cycles {
-            put(cursor.at(self.cycle_time.start_of(cycle)));
+            let time = self.time_of(cycle);
+            put(self.cursors[axis].at(time));
         }
+    }
+
+    /// When `cycle` is due [s]. The last cycle of the plan is its end, though it may be due a rounding before that.
+    fn time_of(&self, cycle: u64) -> f64 {
+        if cycle < self.cycle_count { self.cycle_time.start_of(cycle) } else { f64::INFINITY }
     }
 }
 

@@ -17,7 +17,7 @@ mod status;
 pub mod stream;
 
 pub use convert::{
-    against_from_wire, plan_from_wire, plan_to_wire, request_from_wire, request_to_wire, response_from_wire,
+    Against, against, plan_from_wire, plan_to_wire, request_from_wire, request_to_wire, response_from_wire,
     response_to_wire,
 };
 pub use digest::{Digest, RaggedColumns};

@@ -212,7 +212,7 @@ impl Columns {
     /// How many axes there are; 0 where there is no cycle.
     #[must_use]
     pub fn axes(&self) -> usize {
-        if self.cycles == 0 { 0 } else { self.position.len() / self.cycles }
+        self.position.len().checked_div(self.cycles).unwrap_or(0)
     }
 
     /// The setpoint of `axis` at the `index`th cycle.
@@ -298,11 +298,13 @@ pub enum RefusalReason {
     Revision,
     /// The axis is opening elsewhere.
     Resuming,
+    /// It goes beyond what was granted.
+    BeyondGrant,
 }
 
 impl RefusalReason {
     /// Every reason.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Gap,
         Self::TooLate,
         Self::JoinMismatch,
@@ -311,6 +313,7 @@ impl RefusalReason {
         Self::StaleEpoch,
         Self::Revision,
         Self::Resuming,
+        Self::BeyondGrant,
     ];
 
     /// The name on the wire.
@@ -325,6 +328,7 @@ impl RefusalReason {
             Self::StaleEpoch => "STALE_EPOCH",
             Self::Revision => "REVISION",
             Self::Resuming => "RESUMING",
+            Self::BeyondGrant => "BEYOND_GRANT",
         }
     }
 }

@@ -1,9 +1,8 @@
-use planner::{Binding, Certificate, EndCheck, Explanation, JoinCheck, LimitCheck};
+use planner::{Binding, Certificate, EndCheck, Explanation, Field, InvalidFields, JoinCheck, LimitCheck};
 
-use super::choice::quantity_to_wire;
+use super::choice::{quantity_from_wire, quantity_to_wire};
 use crate::pb;
 
-// One way only: whoever gets a certificate has the plan, and judges for itself.
 impl From<&Certificate> for pb::PlanCertificate {
     fn from(certificate: &Certificate) -> Self {
         use pb::plan_certificate as wire;
@@ -25,25 +24,62 @@ impl From<&Certificate> for pb::PlanCertificate {
                 .collect(),
             continuity_checks: joins
                 .iter()
-                .map(|JoinCheck { axis, quantity, worst_jump, allowed: _, at_time, guaranteed: _ }| {
+                .map(|JoinCheck { axis, quantity, worst_jump, allowed, at_time, guaranteed }| {
                     wire::ContinuityCheck {
                         axis: axis.clone(),
                         quantity: quantity_to_wire(*quantity),
                         worst_jump: *worst_jump,
                         at_time: *at_time,
+                        allowed: *allowed,
+                        guaranteed: *guaranteed,
                     }
                 })
                 .collect(),
             end_checks: ends
                 .iter()
-                .map(|EndCheck { axis, quantity, residual, allowed: _ }| wire::EndCheck {
+                .map(|EndCheck { axis, quantity, residual, allowed }| wire::EndCheck {
                     axis: axis.clone(),
                     quantity: quantity_to_wire(*quantity),
                     residual: *residual,
+                    allowed: *allowed,
                 })
                 .collect(),
             passed: certificate.passed(),
         }
+    }
+}
+
+impl TryFrom<pb::PlanCertificate> for Certificate {
+    type Error = InvalidFields;
+
+    fn try_from(wire: pb::PlanCertificate) -> Result<Self, InvalidFields> {
+        use pb::plan_certificate as wire;
+        // Whether it passed follows from the checks.
+        let pb::PlanCertificate { limit_checks, continuity_checks, end_checks, passed: _ } = wire;
+        let quantity = |list: &str, index: usize, given: i32| {
+            let field = Field::named("quantity").within(&Field::element(list, index));
+            quantity_from_wire(given).map_err(|why| InvalidFields::one(field, why))
+        };
+        let mut certificate = Self::default();
+        for (index, check) in limit_checks.into_iter().enumerate() {
+            let wire::LimitCheck { axis, quantity: given, limit, extremum, at_time, margin, guaranteed } =
+                check;
+            let quantity = quantity("limit_checks", index, given)?;
+            let check = LimitCheck { axis, quantity, limit, extremum, at_time, margin, guaranteed };
+            certificate.limits.push(check);
+        }
+        for (index, check) in continuity_checks.into_iter().enumerate() {
+            let wire::ContinuityCheck { axis, quantity: given, worst_jump, at_time, allowed, guaranteed } =
+                check;
+            let quantity = quantity("continuity_checks", index, given)?;
+            certificate.joins.push(JoinCheck { axis, quantity, worst_jump, allowed, at_time, guaranteed });
+        }
+        for (index, check) in end_checks.into_iter().enumerate() {
+            let wire::EndCheck { axis, quantity: given, residual, allowed } = check;
+            let quantity = quantity("end_checks", index, given)?;
+            certificate.ends.push(EndCheck { axis, quantity, residual, allowed });
+        }
+        Ok(certificate)
     }
 }
 

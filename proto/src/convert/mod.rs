@@ -13,7 +13,7 @@ mod state;
 mod stream;
 
 pub use plan::{plan_from_wire, plan_to_wire};
-pub use request::against_from_wire;
+pub use request::{Against, against};
 pub use stream::{request_from_wire, request_to_wire, response_from_wire, response_to_wire};
 
 use prost_types::Duration;
@@ -24,8 +24,13 @@ fn duration_to_ns(wire: &Duration) -> i128 {
     i128::from(seconds) * 1_000_000_000 + i128::from(nanos)
 }
 
+/// A wire duration of so many nanoseconds; at the end of its range where they do not fit.
+fn ns_to_duration(ns: i128) -> Duration {
+    let seconds = i64::try_from(ns / 1_000_000_000).unwrap_or(if ns < 0 { i64::MIN } else { i64::MAX });
+    Duration { seconds, nanos: (ns % 1_000_000_000) as i32 }
+}
+
 /// A wire duration of a cycle.
 fn cycle_time_to_wire(cycle: planner::CycleTime) -> Duration {
-    let ns = cycle.as_ns();
-    Duration { seconds: (ns / 1_000_000_000) as i64, nanos: (ns % 1_000_000_000) as i32 }
+    ns_to_duration(i128::from(cycle.as_ns()))
 }

@@ -1,12 +1,10 @@
-use planner::{
-    AxisMoveSpec, Field, InvalidFields, Limits, LimitsSpec, Plan, Request, RequestSpec, State, Why,
-};
+use planner::{AxisMoveSpec, Field, InvalidFields, Limits, LimitsSpec, Plan, RequestSpec, State, Why};
 
 use super::choice::{
     family_from_wire, family_to_wire, kind_from_wire, kind_to_wire, short_path_from_wire, short_path_to_wire,
     synchronization_from_wire, synchronization_to_wire,
 };
-use super::duration_to_ns;
+use super::{duration_to_ns, ns_to_duration};
 use crate::pb;
 
 impl From<pb::AxisMove> for AxisMoveSpec {
@@ -47,46 +45,88 @@ impl From<pb::PlanRequest> for RequestSpec {
     }
 }
 
-impl From<&Request> for pb::PlanRequest {
-    fn from(request: &Request) -> Self {
+impl From<AxisMoveSpec> for pb::AxisMove {
+    fn from(spec: AxisMoveSpec) -> Self {
+        let AxisMoveSpec { axis, kind, start, goal, limits } = spec;
         Self {
-            axes: request
-                .axes()
-                .iter()
-                .map(|axis| pb::AxisMove {
-                    axis: axis.axis.clone(),
-                    kind: kind_to_wire(axis.kind),
-                    start: Some(axis.problem.start().into()),
-                    goal: Some(axis.problem.goal().into()),
-                    limits: Some(axis.problem.limits().into()),
-                })
-                .collect(),
-            cycle_time: Some(super::cycle_time_to_wire(request.cycle_time())),
-            family: family_to_wire(planner::Family::SCurve),
-            order: None,
-            short_path_policy: short_path_to_wire(request.short_path()),
-            synchronization: synchronization_to_wire(request.synchronization()),
-            minimum_duration: None,
-            end_on_cycle: false,
+            axis,
+            kind: choice_to_wire(kind, kind_to_wire),
+            start: Some(start.into()),
+            goal: Some(goal.into()),
+            limits: Some(limits.into()),
         }
     }
 }
 
-/// Other limits or goals to hold a plan against: one pair for each axis of the plan, its own where nothing else is said.
+impl From<RequestSpec> for pb::PlanRequest {
+    fn from(spec: RequestSpec) -> Self {
+        let RequestSpec {
+            axes,
+            cycle_time_ns,
+            family,
+            order,
+            short_path,
+            synchronization,
+            minimum_duration,
+            end_on_cycle,
+        } = spec;
+        Self {
+            axes: axes.into_iter().map(Into::into).collect(),
+            cycle_time: cycle_time_ns.map(ns_to_duration),
+            family: choice_to_wire(family, family_to_wire),
+            order,
+            short_path_policy: choice_to_wire(short_path, short_path_to_wire),
+            synchronization: choice_to_wire(synchronization, synchronization_to_wire),
+            minimum_duration: minimum_duration.map(|seconds| ns_to_duration((seconds * 1e9) as i128)),
+            end_on_cycle,
+        }
+    }
+}
+
+/// The number of a choice; of one that could not be read, the number that was given, so that whoever answers says so.
+fn choice_to_wire<T>(choice: Result<T, Why>, to_wire: impl FnOnce(T) -> i32) -> i32 {
+    match choice {
+        Ok(choice) => to_wire(choice),
+        Err(Why::UnknownChoice { given, .. }) => given,
+        Err(_) => 0,
+    }
+}
+
+/// Other limits, or another goal, to hold one axis of a plan against.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Against {
+    /// The axis's name.
+    pub axis: String,
+    /// Other limits; `None`: its own.
+    pub limits: Option<LimitsSpec>,
+    /// Another goal; `None`: its own.
+    pub goal: Option<State>,
+}
+
+impl From<pb::AxisMove> for Against {
+    fn from(wire: pb::AxisMove) -> Self {
+        let pb::AxisMove { axis, kind: _, start: _, goal, limits } = wire;
+        Self { axis, limits: limits.map(Into::into), goal: goal.map(Into::into) }
+    }
+}
+
+impl From<Against> for pb::AxisMove {
+    fn from(against: Against) -> Self {
+        let Against { axis, limits, goal } = against;
+        Self { axis, goal: goal.map(Into::into), limits: limits.map(Into::into), ..Self::default() }
+    }
+}
+
+/// What to hold each axis of a plan against, in plan order: its own limits and goal where nothing else is said.
 ///
 /// # Errors
-/// A name that no axis of the plan has, or that is there twice; invalid limits or goals.
-pub fn against_from_wire(
-    plan: &Plan,
-    against: Vec<pb::AxisMove>,
-) -> Result<Vec<(Limits, State)>, InvalidFields> {
+/// A name that no axis of the plan has, or that is there twice; invalid limits or goals. Paths begin with `against`.
+pub fn against(plan: &Plan, others: Vec<Against>) -> Result<Vec<(Limits, State)>, InvalidFields> {
     let mut pairs: Vec<_> =
         plan.axes().iter().map(|axis| (axis.limits.clone(), axis.goal_to_reach())).collect();
     let mut seen: Vec<String> = Vec::new();
     let mut invalid = InvalidFields::default();
-    for (index, pb::AxisMove { axis: name, kind: _, start: _, goal, limits }) in
-        against.into_iter().enumerate()
-    {
+    for (index, Against { axis: name, limits, goal }) in others.into_iter().enumerate() {
         let outer = Field::element("against", index);
         let named = Field::named("axis").within(&outer);
         if seen.contains(&name) {
@@ -100,16 +140,19 @@ pub fn against_from_wire(
         };
         seen.push(name);
         if let Some(limits) = limits {
-            let limits = Limits::try_from(LimitsSpec::from(limits));
-            if let Some(limits) = invalid.take(&Field::named("limits").within(&outer), limits) {
-                pairs[place].0 = limits;
-            }
+            let limits = invalid.take(&Field::named("limits").within(&outer), Limits::try_from(limits));
+            pairs[place].0 = limits.unwrap_or_else(|| pairs[place].0.clone());
         }
         if let Some(goal) = goal {
-            pairs[place].1 = goal.into();
-            if !pairs[place].1.is_finite() {
-                let why = Why::NotFinite { given: f64::NAN };
-                invalid.note(Field::named("goal").within(&outer).as_str(), Some(why));
+            pairs[place].1 = goal;
+            let parts = [
+                ("position", goal.position),
+                ("velocity", goal.velocity),
+                ("acceleration", goal.acceleration),
+            ];
+            for (part, given) in parts {
+                let field = Field::named(part).within(&Field::named("goal").within(&outer));
+                invalid.note(field.as_str(), (!given.is_finite()).then_some(Why::NotFinite { given }));
             }
         }
     }

@@ -329,8 +329,7 @@ fn report_to_wire(report: &Report) -> pb::AxisReport {
 fn refused_from_wire(wire: pb::Refused) -> Result<Refused, Rejected> {
     let pb::Refused { revision, first_cycle, reason: given } = wire;
     let reason = RefusalReason::ALL.into_iter().find(|reason| reason.name() == given);
-    let choices =
-        "GAP, TOO_LATE, JOIN_MISMATCH, DIGEST_MISMATCH, NOT_FINITE, STALE_EPOCH, REVISION, RESUMING";
+    let choices = "GAP, TOO_LATE, JOIN_MISMATCH, DIGEST_MISMATCH, NOT_FINITE, STALE_EPOCH, REVISION, RESUMING, BEYOND_GRANT";
     let reason =
         reason.ok_or_else(|| of_field("report.refused.reason", Why::UnknownName { given, choices }))?;
     Ok(Refused { revision, first_cycle, reason })

@@ -391,6 +391,12 @@ pub mod plan_certificate {
         /// When it occurs \[s\].
         #[prost(double, tag = "4")]
         pub at_time: f64,
+        /// The greatest jump that counts as joined, in the unit of the quantity: the rounding of the motion's scale.
+        #[prost(double, tag = "5")]
+        pub allowed: f64,
+        /// False: the family of the plan lets this jump; reported, and not counted in passed.
+        #[prost(bool, tag = "6")]
+        pub guaranteed: bool,
     }
     impl ::prost::Name for ContinuityCheck {
         const NAME: &'static str = "ContinuityCheck";
@@ -411,9 +417,13 @@ pub mod plan_certificate {
         /// What is compared.
         #[prost(enumeration = "super::Quantity", tag = "2")]
         pub quantity: i32,
-        /// End of the segments minus AxisPlan.reached, in the unit of the quantity.
+        /// How far the last segment ends from AxisPlan.reached, or that from the goal as adjusted, whichever is
+        /// farther: a magnitude in the unit of the quantity.
         #[prost(double, tag = "3")]
         pub residual: f64,
+        /// The greatest residual that counts as reached.
+        #[prost(double, tag = "4")]
+        pub allowed: f64,
     }
     impl ::prost::Name for EndCheck {
         const NAME: &'static str = "EndCheck";
@@ -442,7 +452,7 @@ pub struct PlanMethod {
     /// The law of the motion.
     #[prost(enumeration = "ProfileFamily", tag = "1")]
     pub family: i32,
-    /// Order of the highest limited derivative; 0 where the family fixes it.
+    /// Order of the highest limited derivative: 3 for the S-curve.
     #[prost(uint32, tag = "2")]
     pub order: u32,
     /// What was to be done about a path too short.

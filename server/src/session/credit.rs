@@ -39,7 +39,9 @@ impl Credit {
         }
         if accepted_cycle > self.farthest {
             let sent = self.farthest;
-            return impossible(format!("accepted_cycle {accepted_cycle} is past {sent}, the last cycle sent"));
+            return impossible(format!(
+                "accepted_cycle {accepted_cycle} is past {sent}, the last cycle sent"
+            ));
         }
         if executed_cycle < self.executed || accepted_cycle < self.accepted {
             let (executed, accepted) = (self.executed, self.accepted);
@@ -60,10 +62,18 @@ impl Credit {
         self.sent = accepted;
     }
 
+    /// May more be sent?
+    pub(super) fn has_more(&self, end: Option<u64>) -> bool {
+        self.sent < self.allowed(end)
+    }
+
+    fn allowed(&self, end: Option<u64>) -> u64 {
+        self.grant.min(self.executed.saturating_add(FARTHEST_AHEAD)).min(end.unwrap_or(u64::MAX))
+    }
+
     /// Takes the cycles of the next batch: as many as `most`, as are granted, and as there are up to `end`.
     pub(super) fn next(&mut self, most: u64, end: Option<u64>) -> Option<RangeInclusive<u64>> {
-        let allowed = self.grant.min(self.executed.saturating_add(FARTHEST_AHEAD)).min(end.unwrap_or(u64::MAX));
-        let last = allowed.min(self.sent.saturating_add(most));
+        let last = self.allowed(end).min(self.sent.saturating_add(most));
         if last <= self.sent {
             return None;
         }

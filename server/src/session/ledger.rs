@@ -31,7 +31,8 @@ impl Ledger {
     /// The digest of `cycle`, which was sent: noted, or computed from the note before it.
     pub(super) fn digest_at(&mut self, cycle: u64, motion: &Motion) -> Digest {
         let after = self.entries.partition_point(|entry| entry.0 <= cycle);
-        let Some(&(noted, mut digest)) = after.checked_sub(1).and_then(|index| self.entries.get(index)) else {
+        let Some(&(noted, mut digest)) = after.checked_sub(1).and_then(|index| self.entries.get(index))
+        else {
             return Digest::ZERO;
         };
         if noted < cycle {

@@ -130,6 +130,23 @@ impl Session {
         self.ended && self.outbox.is_empty()
     }
 
+    /// Has the session decided to end, though not everything is said yet?
+    #[must_use]
+    pub fn is_ending(&self) -> bool {
+        self.ended
+    }
+
+    /// Would [`poll_output`](Self::poll_output) give something?
+    #[must_use]
+    pub fn has_output(&self) -> bool {
+        !self.outbox.is_empty() || (!self.ended && !self.finished && self.credit.has_more(self.end_cycle()))
+    }
+
+    /// The last cycle that will be sent, where there is one.
+    fn end_cycle(&self) -> Option<u64> {
+        self.close_at_rest.then(|| self.motion.last_cycle())
+    }
+
     /// Takes one thing that happened. Nothing is sent here: ask [`poll_output`](Self::poll_output).
     pub fn handle(&mut self, event: Event) {
         if self.ended {
@@ -220,7 +237,7 @@ impl Session {
         if self.ended || self.finished {
             return None;
         }
-        let end = self.close_at_rest.then(|| self.motion.last_cycle());
+        let end = self.end_cycle();
         let cycles = self.credit.next(self.batch_cycles, end)?;
         let plan = self.motion.plan.plan();
         let count = (cycles.end() - cycles.start() + 1) as usize;

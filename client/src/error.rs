@@ -1,0 +1,56 @@
+use std::fmt::Display;
+
+use proto::Rejected;
+use proto::stream::Refused;
+use tonic::{Code, Status};
+
+/// Why an answer is none, by who has to act.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// Yours to mend: the request was understood and refused.
+    #[error("{0}")]
+    Rejected(Box<Rejected>),
+    /// Try again, or elsewhere.
+    #[error("{endpoint} is not reachable: {cause}")]
+    Unreachable {
+        /// Where.
+        endpoint: String,
+        /// What the network says.
+        cause: String,
+    },
+    /// Ours to mend: an answer that is not of the protocol.
+    #[error("the server broke the protocol: {0}")]
+    Protocol(String),
+}
+
+impl Error {
+    /// What a failed call means.
+    pub(crate) fn from_status(endpoint: &str, status: &Status) -> Self {
+        if let Some(rejected) = Rejected::from_status(status) {
+            return Self::Rejected(Box::new(rejected));
+        }
+        match status.code() {
+            Code::Unavailable | Code::DeadlineExceeded | Code::Cancelled | Code::Unknown => {
+                Self::Unreachable { endpoint: endpoint.into(), cause: status.message().into() }
+            }
+            code => Self::Protocol(format!("{}: {}", proto::code_name(code), status.message())),
+        }
+    }
+
+    /// Nobody answers at `endpoint`.
+    pub(crate) fn unreachable(endpoint: &str, error: &(dyn std::error::Error + 'static)) -> Self {
+        let cause = proto::unreachable(error).message().to_owned();
+        Self::Unreachable { endpoint: endpoint.into(), cause }
+    }
+
+    /// An answer that cannot be read.
+    pub(crate) fn unreadable(error: impl Display) -> Self {
+        Self::Protocol(error.to_string())
+    }
+
+    /// A batch that cannot be accepted.
+    pub(crate) fn refused(refused: &Refused) -> Self {
+        let Refused { first_cycle, reason, .. } = refused;
+        Self::Protocol(format!("the batch from cycle {first_cycle} is refused: {}", reason.name()))
+    }
+}

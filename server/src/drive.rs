@@ -1,0 +1,112 @@
+//! The loop between the world and a session: turns messages into events and outputs into sends, and decides nothing.
+
+use proto::stream::{FromAxis, Open};
+use proto::{Reason, Rejected, pb, request_from_wire, response_to_wire};
+use tokio::sync::mpsc;
+use tokio_util::sync::CancellationToken;
+use tonic::{Status, Streaming};
+
+use crate::session::{Event, Output, Session};
+use crate::streams::{Claim, Streams};
+
+type Incoming = Streaming<pb::StreamSetpointsRequest>;
+type Outgoing = mpsc::Sender<Result<pb::StreamSetpointsResponse, Status>>;
+
+/// Serves one stream from its first message to its end.
+#[tracing::instrument(name = "session", skip_all, fields(stream = tracing::field::Empty, epoch = tracing::field::Empty))]
+pub(crate) async fn drive(
+    mut incoming: Incoming,
+    outgoing: Outgoing,
+    streams: Streams,
+    served_by: String,
+    drain: CancellationToken,
+) {
+    let opened = match first_message(&mut incoming).await {
+        Ok(open) => begin(open, &streams, &served_by),
+        Err(rejected) => Err(rejected),
+    };
+    match opened {
+        Ok((session, claim, epoch)) => serve(session, claim, epoch, incoming, outgoing, drain).await,
+        // Nobody to tell is not a failure.
+        Err(rejected) => {
+            tracing::info!(reason = %rejected.reason, "stream refused");
+            let _ = outgoing.send(Err(rejected.into())).await;
+        }
+    }
+}
+
+async fn first_message(incoming: &mut Incoming) -> Result<Open, Rejected> {
+    match next_event(incoming).await {
+        Event::FromAxis(FromAxis::Open(open)) => Ok(*open),
+        Event::Unreadable(rejected) => Err(rejected),
+        _ => {
+            let text = "the first message is not open: open the stream before anything else";
+            Err(Rejected::new(Reason::ProtocolOrder, text))
+        }
+    }
+}
+
+fn begin(open: Open, streams: &Streams, served_by: &str) -> Result<(Session, Claim, u64), Rejected> {
+    let (stream, epoch) = (open.stream.clone(), open.epoch);
+    tracing::Span::current().record("stream", stream.as_str()).record("epoch", epoch);
+    // The session first: an open that is refused takes the stream from nobody.
+    let session = Session::open(open, served_by)?;
+    let claim = streams.claim(stream, epoch)?;
+    tracing::info!("stream opened");
+    Ok((session, claim, epoch))
+}
+
+async fn serve(
+    mut session: Session,
+    mut claim: Claim,
+    epoch: u64,
+    mut incoming: Incoming,
+    outgoing: Outgoing,
+    drain: CancellationToken,
+) {
+    let (mut superseded, mut drained) = (false, false);
+    while !session.is_over() {
+        tokio::select! {
+            // Reports first: what an axis has just said decides what it is sent.
+            biased;
+            newer = &mut claim.superseded, if !superseded => {
+                superseded = true;
+                if let Ok(by) = newer {
+                    session.handle(Event::Superseded { by });
+                }
+            }
+            () = drain.cancelled(), if !drained => {
+                drained = true;
+                session.handle(Event::Drain);
+            }
+            event = next_event(&mut incoming), if !session.is_ending() => session.handle(event),
+            permit = outgoing.reserve(), if session.has_output() => {
+                let Ok(permit) = permit else { return };
+                match session.poll_output() {
+                    Some(Output::Send(message)) => permit.send(Ok(response_to_wire(epoch, message))),
+                    Some(Output::End(Err(rejected))) => {
+                        tracing::info!(reason = %rejected.reason, "stream ended");
+                        permit.send(Err(rejected.into()));
+                    }
+                    Some(Output::End(Ok(()))) | None => {}
+                }
+            }
+        }
+    }
+    tracing::info!(phase = ?session.phase(), "stream closed");
+}
+
+/// What the axis says next. An axis that is gone, and one that cannot be read, both end the session.
+async fn next_event(incoming: &mut Incoming) -> Event {
+    match incoming.message().await {
+        Ok(Some(wire)) => match request_from_wire(wire) {
+            Ok(message) => Event::FromAxis(message),
+            Err(rejected) => Event::Unreadable(rejected),
+        },
+        Ok(None) => Event::AxisClosed,
+        Err(status) => {
+            let text = format!("the message cannot be read: {}", status.message());
+            Event::Unreadable(Rejected::new(Reason::ProtocolOrder, text))
+        }
+    }
+}

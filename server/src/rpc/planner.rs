@@ -1,0 +1,68 @@
+use ::planner::{Judged, Request as PlanRequest, RequestSpec, certify, certify_against};
+use proto::pb::planner_service_server::PlannerService;
+use proto::{Rejected, pb, plan_from_wire, plan_to_wire};
+use tokio_stream::wrappers::ReceiverStream;
+use tonic::{Request, Response, Status};
+
+use super::{not_implemented, sample};
+
+/// `PlannerService`: stateless, so any replica answers any call with the same bytes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Planner {
+    max_sample_cycles: u64,
+}
+
+impl Planner {
+    pub(crate) fn new(max_sample_cycles: u64) -> Self {
+        Self { max_sample_cycles }
+    }
+}
+
+fn plan(wire: pb::PlanRequest) -> Result<pb::PlanResponse, Rejected> {
+    let request = PlanRequest::try_from(RequestSpec::from(wire))?;
+    let judged = Judged::answer(&request)?;
+    Ok(pb::PlanResponse { plan: Some(plan_to_wire(&judged)) })
+}
+
+fn verify(wire: pb::VerifyPlanRequest) -> Result<pb::VerifyPlanResponse, Rejected> {
+    let pb::VerifyPlanRequest { plan, against } = wire;
+    let plan = plan_from_wire(plan.unwrap_or_default()).map_err(sample::within_plan)?;
+    let certificate = if against.is_empty() {
+        certify(&plan)
+    } else {
+        let pairs = proto::against(&plan, against.into_iter().map(Into::into).collect())?;
+        certify_against(&plan, pairs.iter().map(|(limits, goal)| (limits, *goal)))
+    };
+    Ok(pb::VerifyPlanResponse { certificate: Some((&certificate).into()) })
+}
+
+#[tonic::async_trait]
+impl PlannerService for Planner {
+    async fn plan(&self, request: Request<pb::PlanRequest>) -> Result<Response<pb::PlanResponse>, Status> {
+        Ok(Response::new(plan(request.into_inner())?))
+    }
+
+    async fn plan_pvt(
+        &self,
+        _: Request<pb::PlanPvtRequest>,
+    ) -> Result<Response<pb::PlanPvtResponse>, Status> {
+        Err(not_implemented("PlanPvt", "plan moves one by one with Plan"))
+    }
+
+    async fn verify_plan(
+        &self,
+        request: Request<pb::VerifyPlanRequest>,
+    ) -> Result<Response<pb::VerifyPlanResponse>, Status> {
+        Ok(Response::new(verify(request.into_inner())?))
+    }
+
+    type SamplePlanStream = ReceiverStream<Result<pb::SamplePlanResponse, Status>>;
+
+    async fn sample_plan(
+        &self,
+        request: Request<pb::SamplePlanRequest>,
+    ) -> Result<Response<Self::SamplePlanStream>, Status> {
+        let sampling = sample::Sampling::new(request.into_inner(), self.max_sample_cycles)?;
+        Ok(Response::new(sampling.stream()))
+    }
+}

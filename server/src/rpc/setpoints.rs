@@ -1,0 +1,63 @@
+use proto::pb;
+use proto::pb::setpoint_service_server::SetpointService;
+use proto::{Reason, Rejected};
+use tokio::sync::mpsc;
+use tokio_stream::wrappers::ReceiverStream;
+use tokio_util::sync::CancellationToken;
+use tonic::{Request, Response, Status, Streaming};
+
+use super::not_implemented;
+use crate::drive;
+use crate::streams::Streams;
+
+/// Messages made ahead of a slow reader.
+const AHEAD: usize = 4;
+
+/// `SetpointService`: one session a stream.
+#[derive(Clone, Debug)]
+pub(crate) struct Setpoints {
+    streams: Streams,
+    served_by: String,
+    drain: CancellationToken,
+}
+
+impl Setpoints {
+    pub(crate) fn new(streams: Streams, served_by: String, drain: CancellationToken) -> Self {
+        Self { streams, served_by, drain }
+    }
+}
+
+#[tonic::async_trait]
+impl SetpointService for Setpoints {
+    type StreamSetpointsStream = ReceiverStream<Result<pb::StreamSetpointsResponse, Status>>;
+
+    async fn stream_setpoints(
+        &self,
+        request: Request<Streaming<pb::StreamSetpointsRequest>>,
+    ) -> Result<Response<Self::StreamSetpointsStream>, Status> {
+        if self.drain.is_cancelled() {
+            let text = "this server is about to leave: open the stream on another";
+            return Err(Rejected::new(Reason::Draining, text).into());
+        }
+        let (sender, receiver) = mpsc::channel(AHEAD);
+        let Self { streams, served_by, drain } = self.clone();
+        tokio::spawn(drive::drive(request.into_inner(), sender, streams, served_by, drain));
+        Ok(Response::new(ReceiverStream::new(receiver)))
+    }
+
+    async fn control_stream(
+        &self,
+        _: Request<pb::ControlStreamRequest>,
+    ) -> Result<Response<pb::ControlStreamResponse>, Status> {
+        Err(not_implemented("ControlStream", "let the motion end, then open a new stream"))
+    }
+
+    type WatchStreamStream = ReceiverStream<Result<pb::WatchStreamResponse, Status>>;
+
+    async fn watch_stream(
+        &self,
+        _: Request<pb::WatchStreamRequest>,
+    ) -> Result<Response<Self::WatchStreamStream>, Status> {
+        Err(not_implemented("WatchStream", "read the tracking of RunTracking"))
+    }
+}

@@ -1,0 +1,324 @@
+//! One stream, message by message: no clock, no socket, no task.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test may fail by panicking"
+)]
+
+use planner::{Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, State};
+use proto::stream::{
+    Batch, FARTHEST_AHEAD, FromAxis, Open, Operation, Phase, RefusalReason, Refused, Report, StreamEvent,
+    StreamEventKind, ToAxis,
+};
+use proto::{Digest, Reason, Rejected};
+use server::session::{Event, Output, Session};
+
+/// A move of 50 mm that takes 314 cycles, and ends at `end_velocity`.
+fn plan(end_velocity: f64) -> Accepted {
+    let limits =
+        LimitsSpec { max_velocity: 0.25, max_acceleration: 3.0, max_jerk: 100.0, ..LimitsSpec::default() };
+    let axis = AxisMoveSpec {
+        axis: "x".into(),
+        kind: Ok(AxisKind::Prismatic),
+        start: State::at_rest(0.0),
+        goal: State { position: 0.05, velocity: end_velocity, acceleration: 0.0 },
+        limits,
+    };
+    let spec = RequestSpec {
+        axes: vec![axis],
+        cycle_time_ns: None,
+        family: Ok(planner::Family::SCurve),
+        order: None,
+        short_path: Ok(planner::ShortPathPolicy::Reject),
+        synchronization: Ok(planner::Synchronization::None),
+        minimum_duration: None,
+        end_on_cycle: false,
+    };
+    Judged::answer(&Request::try_from(spec).unwrap()).unwrap().accepted().unwrap()
+}
+
+fn open(plan: Accepted) -> Open {
+    Open {
+        stream: "cell-7/x".into(),
+        epoch: 1,
+        lead_cycles: 40,
+        batch_cycles: 10,
+        axis_guard: 2,
+        close_at_rest: true,
+        accept_unproved: false,
+        executed_cycle: 0,
+        plan,
+    }
+}
+
+/// A session, and an axis that holds everything that it is sent.
+struct Stage {
+    session: Session,
+    batches: Vec<Batch>,
+    events: Vec<StreamEvent>,
+    opened: usize,
+    refusals: usize,
+    ended: Option<Result<(), Rejected>>,
+}
+
+impl Stage {
+    fn new(open: Open) -> Self {
+        let session = Session::open(open, "test").unwrap();
+        let mut stage =
+            Self { session, batches: vec![], events: vec![], opened: 0, refusals: 0, ended: None };
+        stage.drain();
+        stage
+    }
+
+    fn drain(&mut self) {
+        while let Some(output) = self.session.poll_output() {
+            match output {
+                Output::Send(ToAxis::Opened(_)) => self.opened += 1,
+                Output::Send(ToAxis::Batch(batch)) => self.batches.push(batch),
+                Output::Send(ToAxis::Event(event)) => self.events.push(event),
+                Output::Send(ToAxis::Refusal(_)) => self.refusals += 1,
+                Output::Send(ToAxis::Revised(_)) => panic!("nothing was revised"),
+                Output::End(how) => self.ended = Some(how),
+            }
+        }
+        assert!(!self.session.has_output());
+    }
+
+    fn held(&self) -> u64 {
+        self.batches.last().map_or(0, Batch::last_cycle)
+    }
+
+    fn digest(&self, cycle: u64) -> Digest {
+        if cycle == 0 {
+            return Digest::ZERO;
+        }
+        self.batches.iter().rev().find(|batch| batch.last_cycle() == cycle).unwrap().digest
+    }
+
+    fn report(&mut self, executed: u64, grant: u64) {
+        let accepted = self.held();
+        let digest = self.digest(accepted);
+        self.send(Report {
+            executed_cycle: executed,
+            accepted_cycle: accepted,
+            grant_cycle: grant,
+            digest,
+            ..Report::default()
+        });
+    }
+
+    fn send(&mut self, report: Report) {
+        self.handle(Event::FromAxis(FromAxis::Report(report)));
+    }
+
+    fn handle(&mut self, event: Event) {
+        self.session.handle(event);
+        self.drain();
+    }
+
+    fn reason(&self) -> Reason {
+        self.ended.as_ref().expect("the session has ended").as_ref().unwrap_err().reason
+    }
+
+    fn kinds(&self) -> Vec<StreamEventKind> {
+        self.events.iter().map(|event| event.kind).collect()
+    }
+}
+
+#[test]
+fn the_first_grant_is_the_lead() {
+    let stage = Stage::new(open(plan(0.0)));
+    assert_eq!(stage.opened, 1);
+    assert_eq!(stage.batches.iter().map(|batch| batch.first_cycle).collect::<Vec<_>>(), [1, 11, 21, 31]);
+    assert_eq!(stage.held(), 40);
+}
+
+#[test]
+fn cycles_are_consecutive_to_the_last() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    while stage.ended.is_none() {
+        let executed = stage.held().saturating_sub(3);
+        stage.report(executed, executed + 43);
+    }
+    assert_eq!(stage.ended, Some(Ok(())));
+    let mut next = 1;
+    for batch in &stage.batches {
+        assert_eq!(batch.first_cycle, next);
+        next = batch.last_cycle() + 1;
+    }
+    assert_eq!(next, 315);
+    assert!(stage.batches.last().unwrap().last);
+    assert_eq!(stage.kinds(), [StreamEventKind::Finished]);
+    assert_eq!(stage.session.phase(), Phase::Finished);
+}
+
+#[test]
+fn a_lead_that_is_no_multiple_of_a_batch_is_filled() {
+    let stage = Stage::new(Open { lead_cycles: 45, ..open(plan(0.0)) });
+    assert_eq!(stage.held(), 45);
+}
+
+#[test]
+fn a_huge_grant_is_a_free_run_of_bounded_length() {
+    let mut stage = Stage::new(Open { close_at_rest: false, ..open(plan(0.0)) });
+    stage.report(0, u64::MAX);
+    assert_eq!(stage.held(), FARTHEST_AHEAD);
+    stage.report(100, 1 << 63);
+    assert_eq!(stage.held(), FARTHEST_AHEAD + 100);
+}
+
+#[test]
+fn no_grant_no_batch() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    for _ in 0..5 {
+        stage.report(0, 40);
+    }
+    assert_eq!(stage.held(), 40);
+    assert!(stage.ended.is_none());
+}
+
+#[test]
+fn a_stream_that_stays_open_stands_still_after_the_plan() {
+    let mut stage = Stage::new(Open { close_at_rest: false, ..open(plan(0.0)) });
+    for executed in (0..400).step_by(10) {
+        stage.report(executed, executed + 40);
+    }
+    assert_eq!(stage.events, [StreamEvent { kind: StreamEventKind::Standstill, at_cycle: 314 }]);
+    let rest = stage.batches.last().unwrap().columns.at(0, 0).unwrap();
+    assert_eq!(rest.words(), [0.05, 0.0, 0.0, 0.0]);
+    stage.handle(Event::AxisClosed);
+    assert_eq!(stage.ended, Some(Ok(())));
+}
+
+#[test]
+fn a_plan_that_ends_at_speed_is_stopped_after_it() {
+    let mut stage = Stage::new(open(plan(0.1)));
+    while stage.ended.is_none() {
+        let executed = stage.held();
+        stage.report(executed, executed + 40);
+    }
+    let last = stage.batches.last().unwrap();
+    let setpoint = last.columns.at(0, last.columns.cycles() - 1).unwrap();
+    assert_eq!((setpoint.state.velocity, setpoint.state.acceleration), (0.0, 0.0));
+    assert!(setpoint.state.position > 0.05);
+}
+
+#[test]
+fn what_was_refused_is_sent_again() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    let again = stage.batches[2].clone();
+    let refused = Refused { revision: 0, first_cycle: 21, reason: RefusalReason::Gap };
+    stage.send(Report {
+        executed_cycle: 0,
+        accepted_cycle: 20,
+        grant_cycle: 40,
+        digest: stage.digest(20),
+        refused: Some(refused),
+        ..Report::default()
+    });
+    assert_eq!(stage.batches[4], again);
+    assert_eq!(stage.held(), 40);
+}
+
+#[test]
+fn refused_in_the_middle_of_a_batch_goes_on_there() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    let before = stage.digest(10);
+    let digest = stage.batches[1].columns.digests(11, before).nth(4).unwrap();
+    let refused = Refused { revision: 0, first_cycle: 16, reason: RefusalReason::JoinMismatch };
+    stage.send(Report {
+        accepted_cycle: 15,
+        grant_cycle: 40,
+        digest,
+        refused: Some(refused),
+        ..Report::default()
+    });
+    assert_eq!(stage.batches[4].first_cycle, 16);
+    assert_eq!(stage.batches[6].first_cycle, 36);
+    assert_eq!(stage.batches[6].digest, stage.batches[3].digest);
+}
+
+#[test]
+fn three_refusals_end_the_session() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    for _ in 0..3 {
+        let refused = Refused { revision: 0, first_cycle: 1, reason: RefusalReason::Gap };
+        stage.send(Report { grant_cycle: 40, refused: Some(refused), ..Report::default() });
+    }
+    assert_eq!(stage.reason(), Reason::NotConfirmed);
+}
+
+#[test]
+fn a_wrong_digest_ends_the_session_and_names_the_cycle() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    stage.send(Report { accepted_cycle: 20, grant_cycle: 60, digest: Digest::from(7), ..Report::default() });
+    assert_eq!(stage.reason(), Reason::DigestMismatch);
+    let rejected = stage.ended.unwrap().unwrap_err();
+    assert_eq!(rejected.metadata["cycle"], "20");
+}
+
+#[test]
+fn what_cannot_be_true_ends_the_session() {
+    type Row = (u64, u64);
+    let rows: [Row; 3] = [(0, 41), (21, 20), (u64::MAX, u64::MAX)];
+    for (executed_cycle, accepted_cycle) in rows {
+        let mut stage = Stage::new(open(plan(0.0)));
+        stage.send(Report { executed_cycle, accepted_cycle, ..Report::default() });
+        assert_eq!(stage.reason(), Reason::ProtocolOrder, "{executed_cycle} {accepted_cycle}");
+    }
+}
+
+#[test]
+fn cycles_do_not_run_backward() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    stage.report(20, 60);
+    stage.send(Report {
+        executed_cycle: 10,
+        accepted_cycle: 40,
+        digest: stage.digest(40),
+        ..Report::default()
+    });
+    assert_eq!(stage.reason(), Reason::ProtocolOrder);
+}
+
+#[test]
+fn a_second_open_is_out_of_order() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    stage.handle(Event::FromAxis(FromAxis::Open(Box::new(open(plan(0.0))))));
+    assert_eq!(stage.reason(), Reason::ProtocolOrder);
+}
+
+#[test]
+fn an_operation_is_refused_and_the_stream_goes_on() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    stage.handle(Event::FromAxis(FromAxis::Operation(Operation { request_id: "h1".into() })));
+    assert_eq!(stage.refusals, 1);
+    stage.report(10, 50);
+    assert_eq!(stage.held(), 50);
+}
+
+#[test]
+fn a_newer_epoch_ends_the_session() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    stage.handle(Event::Superseded { by: 5 });
+    assert_eq!(stage.kinds(), [StreamEventKind::Superseded]);
+    assert_eq!(stage.reason(), Reason::EpochSuperseded);
+}
+
+#[test]
+fn a_drain_is_told_once_and_the_stream_goes_on() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    stage.handle(Event::Drain);
+    stage.handle(Event::Drain);
+    assert_eq!(stage.kinds(), [StreamEventKind::Draining]);
+    stage.report(10, 50);
+    assert_eq!(stage.held(), 50);
+}
+
+#[test]
+fn an_open_with_a_past_is_refused() {
+    let rejected = Session::open(Open { executed_cycle: 7, ..open(plan(0.0)) }, "test").unwrap_err();
+    assert_eq!(rejected.reason, Reason::ProtocolOrder);
+}
