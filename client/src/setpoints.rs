@@ -80,8 +80,12 @@ impl Setpoints {
     /// that is gone ([`Error::Unreachable`]). What was handed out before stays true.
     pub async fn next(&mut self) -> Result<Option<Playing<'_>>, Error> {
         while self.buffer.held() == 0 {
-            if self.buffer.is_finished() || !self.receive().await? {
-                return Ok(None);
+            match self.receive().await {
+                Ok(true) => {}
+                Ok(false) => return Ok(None),
+                // Everything is played: how the farewell goes does not matter any more.
+                Err(_) if self.buffer.is_finished() => return Ok(None),
+                Err(error) => return Err(error),
             }
         }
         let due = self.buffer.executed() + 1 >= self.reported + self.batch_cycles;

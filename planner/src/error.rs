@@ -24,8 +24,8 @@ impl Field {
     /// This field as part of `outer`.
     #[must_use]
     pub fn within(&self, outer: &Self) -> Self {
-        if self.0.is_empty() {
-            return outer.clone();
+        if self.0.is_empty() || outer.0.is_empty() {
+            return Self(alloc::format!("{}{}", outer.0, self.0));
         }
         Self(alloc::format!("{}.{}", outer.0, self.0))
     }

@@ -1,1 +1,149 @@
-//! To come.
+//! What the stories stand on: a server on a free port of this machine, and the moves that they are about.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::missing_panics_doc,
+    reason = "helpers of tests fail by panicking"
+)]
+
+use std::net::SocketAddr;
+
+use client::Client;
+use planner::{
+    Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, ShortPathPolicy, State,
+    Synchronization,
+};
+use proto::pb::planner_service_client::PlannerServiceClient;
+use proto::pb::setpoint_service_client::SetpointServiceClient;
+use proto::stream::Open;
+use server::{Config, Server};
+use tokio::sync::oneshot;
+use tokio::task::JoinHandle;
+use tonic::transport::{Channel, Endpoint};
+
+/// A real server behind real gRPC, on this machine alone.
+#[derive(Debug)]
+pub struct Loopback {
+    address: SocketAddr,
+    stop: Option<oneshot::Sender<()>>,
+    serving: JoinHandle<()>,
+}
+
+impl Loopback {
+    /// A server with default settings.
+    pub async fn start() -> Self {
+        Self::with(Config::loopback()).await
+    }
+
+    /// A server with these settings.
+    pub async fn with(config: Config) -> Self {
+        let server = Server::bind(config).await.expect("a free port");
+        let address = server.address();
+        let (stop, stopped) = oneshot::channel();
+        let serving = tokio::spawn(async move {
+            let stop = async {
+                // Dropped is stopped too.
+                let _ = stopped.await;
+            };
+            server.run(stop).await.expect("served");
+        });
+        Self { address, stop: Some(stop), serving }
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn endpoint(&self) -> String {
+        format!("http://{}", self.address)
+    }
+
+    /// A typed client.
+    pub async fn client(&self) -> Client {
+        Client::connect(&self.endpoint()).await.expect("a server")
+    }
+
+    /// A bare connection, for what no client of ours would say.
+    pub async fn channel(&self) -> Channel {
+        Endpoint::from_shared(self.endpoint()).expect("an address").connect().await.expect("a server")
+    }
+
+    /// The generated planner client.
+    pub async fn planner(&self) -> PlannerServiceClient<Channel> {
+        PlannerServiceClient::new(self.channel().await)
+    }
+
+    /// The generated setpoint client.
+    pub async fn setpoints(&self) -> SetpointServiceClient<Channel> {
+        SetpointServiceClient::new(self.channel().await)
+    }
+
+    /// Tells the server to stop, as SIGTERM does.
+    pub fn tell_to_stop(&mut self) {
+        if let Some(stop) = self.stop.take() {
+            let _ = stop.send(());
+        }
+    }
+
+    /// Waits until the server has stopped.
+    pub async fn stopped(self) {
+        self.serving.await.expect("the server stops by itself");
+    }
+}
+
+/// The move of the papers: 50 mm within 0.25 m/s, 3 m/s² and 100 m/s³; 314 cycles of 1 ms.
+#[must_use]
+pub fn fifty_millimetres() -> RequestSpec {
+    move_of(0.05, 0.25)
+}
+
+/// A move of `distance` [m] at `velocity` [m/s].
+#[must_use]
+pub fn move_of(distance: f64, velocity: f64) -> RequestSpec {
+    let limits = LimitsSpec {
+        max_velocity: velocity,
+        max_acceleration: 3.0,
+        max_jerk: 100.0,
+        ..LimitsSpec::default()
+    };
+    let axis = AxisMoveSpec {
+        axis: "x".into(),
+        kind: Ok(AxisKind::Prismatic),
+        start: State::at_rest(0.0),
+        goal: State::at_rest(distance),
+        limits,
+    };
+    RequestSpec {
+        axes: vec![axis],
+        cycle_time_ns: None,
+        family: Ok(planner::Family::SCurve),
+        order: None,
+        short_path: Ok(ShortPathPolicy::Reject),
+        synchronization: Ok(Synchronization::None),
+        minimum_duration: None,
+        end_on_cycle: false,
+    }
+}
+
+/// Plans in this process.
+#[must_use]
+pub fn planned(spec: RequestSpec) -> Accepted {
+    Judged::answer(&Request::try_from(spec).expect("a request"))
+        .expect("a plan")
+        .accepted()
+        .expect("a good plan")
+}
+
+/// Opens `plan` on stream `stream`, to close at rest.
+#[must_use]
+pub fn open(stream: &str, plan: Accepted) -> Open {
+    Open {
+        stream: stream.into(),
+        epoch: 1,
+        lead_cycles: 40,
+        batch_cycles: 10,
+        axis_guard: 2,
+        close_at_rest: true,
+        accept_unproved: false,
+        executed_cycle: 0,
+        plan,
+    }
+}

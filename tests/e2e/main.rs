@@ -1,0 +1,13 @@
+//! Stories across crates, over real gRPC on this machine. One binary, a module for each story.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test may fail by panicking, and compares bits on purpose"
+)]
+
+mod bad_plans;
+mod bad_streams;
+mod plan_then_stream;
+mod standing_services;
