@@ -42,17 +42,19 @@ pub(crate) struct Cli {
     pub(crate) command: Command,
 }
 
+const EVERYWHERE: &str = "With every command";
+
 /// What every command understands.
 #[derive(Debug, Args)]
 pub(crate) struct Global {
     /// Print JSON for programs, one document a line, instead of tables for people.
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = EVERYWHERE)]
     pub(crate) json: bool,
     /// Ask the server at this address, as http://127.0.0.1:50051, instead of planning in this process.
-    #[arg(long, global = true, value_name = "URL")]
+    #[arg(long, global = true, value_name = "URL", help_heading = EVERYWHERE)]
     pub(crate) endpoint: Option<String>,
     /// When to use colours; auto: on a terminal, unless NO_COLOR is set.
-    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto", help_heading = EVERYWHERE)]
     pub(crate) color: ColorChoice,
 }
 
@@ -79,11 +81,15 @@ Examples:
   Backwards, leaving at speed; as near to it as so short a path allows:
     portamento plan --distance=-0.002 --end-velocity=-0.2 --max-velocity 0.25 \\
         --max-acceleration 3 --max-jerk 100 --short-path nearest-velocity
-  Several axes, from a file; the request names all that can be set:
-    portamento plan --request move.json
-    {\"axes\": [{\"axis\": \"x\", \"kind\": \"AXIS_KIND_PRISMATIC\",
-      \"goal\": {\"position\": 0.05}, \"limits\": {\"maxVelocity\": 0.25,
-      \"maxAcceleration\": 3, \"maxJerk\": 100}}]}
+  Several axes, from a file such as this one:
+    portamento plan --request request.json
+    {\"synchronization\": \"SYNCHRONIZATION_NONE\", \"axes\": [
+      {\"axis\": \"x\", \"kind\": \"AXIS_KIND_PRISMATIC\",
+       \"goal\": {\"position\": 0.05}, \"limits\": {\"maxVelocity\": 0.25,
+       \"maxAcceleration\": 3, \"maxJerk\": 100}},
+      {\"axis\": \"c\", \"kind\": \"AXIS_KIND_REVOLUTE\",
+       \"goal\": {\"position\": 1.5}, \"limits\": {\"maxVelocity\": 6,
+       \"maxAcceleration\": 40, \"maxJerk\": 900}}]}
   Many at once, an answer a line:
     portamento plan --batch requests.jsonl > answers.jsonl"
 )]
@@ -328,29 +334,40 @@ impl MoveFlags {
     }
 }
 
-/// The flag that sets a field of a request made from [`MoveFlags`], so that a refusal speaks of what was typed.
+/// Fields of a request made from [`MoveFlags`], and the flags that set them. Where one name begins with another, it
+/// comes first.
+const FLAGS: [(&str, &str); 18] = [
+    ("cycle_time", "--cycle-time"),
+    ("family", "--family"),
+    ("order", "--order"),
+    ("short_path_policy", "--short-path"),
+    ("minimum_duration", "--minimum-duration"),
+    ("end_on_cycle", "--end-on-cycle"),
+    ("start.position", "--from"),
+    ("start.velocity", "--start-velocity"),
+    ("goal.position", "--to or --distance"),
+    ("goal.velocity", "--end-velocity"),
+    ("limits.max_velocity_reverse", "--max-velocity-reverse"),
+    ("limits.max_velocity", "--max-velocity"),
+    ("limits.max_acceleration", "--max-acceleration"),
+    ("limits.max_jerk", "--max-jerk"),
+    ("limits.max_deceleration", "--max-deceleration"),
+    ("limits.min_position", "--min-position"),
+    ("limits.max_position", "--max-position"),
+    ("limits.feed_rate", "--feed-rate"),
+];
+
+/// The flag that sets the field, so that a refusal speaks of what was typed.
 pub(crate) fn flag_of(field: &str) -> Option<&'static str> {
-    Some(match field {
-        "cycle_time" => "--cycle-time",
-        "family" => "--family",
-        "order" => "--order",
-        "short_path_policy" => "--short-path",
-        "minimum_duration" => "--minimum-duration",
-        "end_on_cycle" => "--end-on-cycle",
-        "axes[0].start.position" => "--from",
-        "axes[0].start.velocity" => "--start-velocity",
-        "axes[0].goal.position" => "--to or --distance",
-        "axes[0].goal.velocity" => "--end-velocity",
-        "axes[0].limits.max_velocity" => "--max-velocity",
-        "axes[0].limits.max_acceleration" => "--max-acceleration",
-        "axes[0].limits.max_jerk" => "--max-jerk",
-        "axes[0].limits.max_deceleration" => "--max-deceleration",
-        "axes[0].limits.max_velocity_reverse" => "--max-velocity-reverse",
-        "axes[0].limits.min_position" => "--min-position",
-        "axes[0].limits.max_position" => "--max-position",
-        "axes[0].limits.feed_rate" => "--feed-rate",
-        _ => return None,
-    })
+    let field = field.strip_prefix("axes[0].").unwrap_or(field);
+    FLAGS.iter().find(|(name, _)| *name == field).map(|(_, flag)| *flag)
+}
+
+/// A text with flags in place of the fields that it names.
+pub(crate) fn in_flags(text: &str) -> String {
+    // `order` and `family` are words as well.
+    let names = FLAGS.iter().filter(|(name, _)| name.contains(['.', '_']));
+    names.fold(text.to_owned(), |text, (name, flag)| text.replace(name, flag))
 }
 
 /// A time with its unit, in whole nanoseconds. Whether it is long enough is for the planner to say.

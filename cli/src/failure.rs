@@ -74,6 +74,16 @@ impl From<io::Error> for Failure {
     }
 }
 
+impl From<client::Error> for Failure {
+    fn from(error: client::Error) -> Self {
+        match error {
+            client::Error::Rejected(rejected) => Self::Refused(rejected),
+            client::Error::Unreachable { endpoint, cause } => Self::Unreachable { endpoint, cause },
+            client::Error::Protocol(_) => Self::Internal(error.to_string()),
+        }
+    }
+}
+
 impl From<JsonError> for Failure {
     fn from(error: JsonError) -> Self {
         Self::Internal(error.to_string())

@@ -1,108 +1,157 @@
 //! Who answers: the planner in this process, or one behind an endpoint.
 
-use planner::{Accepted, Certificate, Judged, Limits, Plan, Request, RequestSpec, State};
+use std::sync::Arc;
+
+use client::{Chunk, Client};
+use planner::{Accepted, Certificate, Judged, Plan, Request, RequestSpec};
 use proto::stream::Columns;
-use proto::{Digest, Reason, Rejected};
+use proto::{Against, Digest, Reason, Rejected};
+use tokio::runtime::Runtime;
+use tokio::sync::Semaphore;
 
 use crate::failure::Failure;
 
 /// How many cycles are sampled at once.
 const CHUNK_CYCLES: u64 = 1000;
+/// How many requests wait for a server's answer at once.
+const IN_FLIGHT: usize = 256;
 
 /// A planner to ask.
 pub(crate) enum Service {
     /// Here.
     InProcess,
+    /// Behind an endpoint.
+    Remote(Box<Remote>),
 }
 
-/// Consecutive cycles of setpoints.
-pub(crate) struct Chunk {
-    pub(crate) first_cycle: u64,
-    pub(crate) columns: Columns,
-    /// Through the last of the cycles, from cycle 1 of the plan.
-    pub(crate) digest: Digest,
+/// A connection to a server, and what its waiting runs on.
+pub(crate) struct Remote {
+    runtime: Runtime,
+    client: Client,
 }
+
+/// What takes answers, one after the other.
+type Put<'a, T> = &'a mut dyn FnMut(T) -> Result<(), Failure>;
 
 impl Service {
     pub(crate) fn open(endpoint: Option<&str>) -> Result<Self, Failure> {
-        match endpoint {
-            None => Ok(Self::InProcess),
-            Some(endpoint) => Err(Failure::Unreachable {
-                endpoint: endpoint.to_owned(),
-                cause: "this version plans in process only".to_owned(),
-            }),
-        }
+        let Some(endpoint) = endpoint else { return Ok(Self::InProcess) };
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+        let runtime = runtime.map_err(|error| Failure::Internal(error.to_string()))?;
+        let client = runtime.block_on(Client::connect(endpoint))?;
+        Ok(Self::Remote(Box::new(Remote { runtime, client })))
     }
 
-    pub(crate) fn plan(&mut self, spec: RequestSpec) -> Result<Judged, Failure> {
+    pub(crate) fn plan(&self, spec: RequestSpec) -> Result<Judged, Failure> {
         match self {
             Self::InProcess => answer(spec).map_err(Failure::refused),
+            Self::Remote(remote) => Ok(remote.runtime.block_on(remote.client.plan(spec))?),
         }
     }
 
-    /// Answers `each` request, in order. A request that is none, or that cannot be met, has its refusal for an answer.
-    pub(crate) fn plan_all<T: Send>(
-        &mut self,
-        requests: &[T],
-        read: impl Fn(&T) -> Result<RequestSpec, Rejected> + Sync,
-        write: impl Fn(Result<Judged, Rejected>) -> String + Sync,
-    ) -> Vec<String>
-    where
-        T: Sync,
-    {
+    /// Answers every request, in order. One that is none, or that cannot be met, has its refusal for an answer.
+    pub(crate) fn plan_all<T: Send + Sync>(
+        &self,
+        requests: Vec<T>,
+        read: fn(&T) -> Result<RequestSpec, Rejected>,
+        write: fn(Result<Judged, Rejected>) -> String,
+        put: Put<'_, String>,
+    ) -> Result<(), Failure> {
         match self {
             Self::InProcess => {
-                let one = |request: &T| write(read(request).and_then(answer));
-                let threads = std::thread::available_parallelism().map_or(1, usize::from);
-                let share = requests.len().div_ceil(threads).max(LEAST_SHARE);
-                let shares = requests.chunks(share);
-                let (one, mut answers) = (&one, Vec::with_capacity(requests.len()));
-                std::thread::scope(|scope| {
-                    let mut shares = shares.into_iter();
-                    let mine = shares.next().unwrap_or_default();
-                    let others: Vec<_> = shares
-                        .map(|share| scope.spawn(move || share.iter().map(one).collect::<Vec<_>>()))
-                        .collect();
-                    answers.extend(mine.iter().map(one));
-                    for other in others {
-                        match other.join() {
-                            Ok(theirs) => answers.extend(theirs),
-                            Err(panic) => std::panic::resume_unwind(panic),
-                        }
-                    }
-                });
-                answers
+                let answers = shared(&requests, &|request| write(read(request).and_then(answer)));
+                answers.into_iter().try_for_each(put)
+            }
+            Self::Remote(remote) => {
+                let specs = requests.iter().map(read).collect();
+                remote.runtime.block_on(ask_all(&remote.client, specs, write, put))
             }
         }
     }
 
-    pub(crate) fn verify(
-        &mut self,
-        plan: &Plan,
-        against: Option<&[(Limits, State)]>,
-    ) -> Result<Certificate, Failure> {
+    /// Judges `plan` by its own limits and goals, or by those of `against`.
+    pub(crate) fn verify(&self, plan: &Plan, against: Vec<Against>) -> Result<Certificate, Failure> {
         match self {
-            Self::InProcess => Ok(match against {
-                None => planner::certify(plan),
-                Some(pairs) => {
-                    planner::certify_against(plan, pairs.iter().map(|(limits, goal)| (limits, *goal)))
-                }
-            }),
+            Self::InProcess => {
+                let pairs = proto::against(plan, against).map_err(Failure::refused)?;
+                Ok(planner::certify_against(plan, pairs.iter().map(|(limits, goal)| (limits, *goal))))
+            }
+            Self::Remote(remote) => Ok(remote.runtime.block_on(remote.client.verify(plan, against))?),
         }
     }
 
-    /// Samples `cycles` cycles from `first_cycle` on, or to the end of the plan for 0, and hands them to `put`.
+    /// Samples `cycles` cycles from `first_cycle` on, or to the end of the plan for 0.
     pub(crate) fn sample(
-        &mut self,
+        &self,
         plan: Plan,
         first_cycle: u64,
         cycles: u64,
-        put: &mut dyn FnMut(Chunk) -> Result<(), Failure>,
+        put: Put<'_, Chunk>,
     ) -> Result<(), Failure> {
         match self {
             Self::InProcess => sample(plan, first_cycle, cycles, put),
+            Self::Remote(remote) => remote.runtime.block_on(async {
+                let mut samples = remote.client.sample(&Judged::new(plan), first_cycle, cycles).await?;
+                while let Some(chunk) = samples.next().await? {
+                    put(chunk)?;
+                }
+                Ok(())
+            }),
         }
     }
+}
+
+/// `each` of all, in order, on every core there is.
+fn shared<T: Sync>(all: &[T], each: &(impl Fn(&T) -> String + Sync)) -> Vec<String> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut shares = all.chunks(all.len().div_ceil(threads).max(LEAST_SHARE));
+    let mine = shares.next().unwrap_or_default();
+    std::thread::scope(|scope| {
+        let others: Vec<_> =
+            shares.map(|share| scope.spawn(move || share.iter().map(each).collect::<Vec<_>>())).collect();
+        let mut done: Vec<String> = mine.iter().map(each).collect();
+        for other in others {
+            match other.join() {
+                Ok(theirs) => done.extend(theirs),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        done
+    })
+}
+
+/// Asks a server, with many requests under way, and hands on the answers in order.
+async fn ask_all(
+    client: &Client,
+    specs: Vec<Result<RequestSpec, Rejected>>,
+    write: fn(Result<Judged, Rejected>) -> String,
+    put: Put<'_, String>,
+) -> Result<(), Failure> {
+    let room = Arc::new(Semaphore::new(IN_FLIGHT));
+    let asked: Vec<_> = specs
+        .into_iter()
+        .map(|spec| {
+            let (client, room) = (client.clone(), room.clone());
+            tokio::spawn(async move {
+                let spec = match spec {
+                    Ok(spec) => spec,
+                    Err(rejected) => return Ok(write(Err(rejected))),
+                };
+                // The semaphore is never closed.
+                let _place = room.acquire().await;
+                match client.plan(spec).await {
+                    Ok(judged) => Ok(write(Ok(judged))),
+                    Err(client::Error::Rejected(rejected)) => Ok(write(Err(*rejected))),
+                    Err(error) => Err(error),
+                }
+            })
+        })
+        .collect();
+    for answer in asked {
+        let answer = answer.await.map_err(|error| Failure::Internal(error.to_string()))?;
+        put(answer?)?;
+    }
+    Ok(())
 }
 
 /// The fewest requests that are worth a thread.
@@ -113,17 +162,12 @@ fn answer(spec: RequestSpec) -> Result<Judged, Rejected> {
     Ok(Judged::answer(&request)?)
 }
 
-fn sample(
-    plan: Plan,
-    first_cycle: u64,
-    cycles: u64,
-    put: &mut dyn FnMut(Chunk) -> Result<(), Failure>,
-) -> Result<(), Failure> {
+fn sample(plan: Plan, first_cycle: u64, cycles: u64, put: Put<'_, Chunk>) -> Result<(), Failure> {
     let accepted: Accepted = Judged::new(plan).accepted().map_err(Failure::refused)?;
     let plan = accepted.plan();
     let last_cycle = plan.cycle_count();
     if first_cycle > last_cycle {
-        let message = format!("cycle {first_cycle} is past the end: the plan has cycles 0 to {last_cycle}");
+        let message = format!("first_cycle {first_cycle} is past {last_cycle}, the last cycle of the plan");
         let rejected = Rejected::new(Reason::ResumePastEnd, message);
         return Err(Failure::refused(rejected.with("given", first_cycle).with("nearest", last_cycle)));
     }

@@ -5,8 +5,8 @@ use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Read};
 use std::path::Path;
 
-use planner::{Limits, Plan, RequestSpec, State};
-use proto::{JsonError, Reason, Rejected, pb};
+use planner::{Plan, RequestSpec};
+use proto::{Against, JsonError, Reason, Rejected, pb};
 
 use crate::failure::Failure;
 
@@ -35,10 +35,10 @@ pub(crate) fn plan(path: &Path) -> Result<(Plan, bool), Failure> {
     Ok((plan, changed))
 }
 
-/// What a plan is held against, from the axes of a request: one pair for each axis of the plan.
-pub(crate) fn against(path: &Path, plan: &Plan) -> Result<Vec<(Limits, State)>, Failure> {
+/// What a plan is to be held against, from the axes of a request.
+pub(crate) fn against(path: &Path) -> Result<Vec<Against>, Failure> {
     let request = proto::from_json::<pb::PlanRequest>(&text(path)?).map_err(not_a("PlanRequest", path))?;
-    proto::against_from_wire(plan, request.axes).map_err(Failure::refused)
+    Ok(request.axes.into_iter().map(Into::into).collect())
 }
 
 /// The requests of a file, line by line.

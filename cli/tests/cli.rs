@@ -84,6 +84,11 @@ fn plan(args: &[&str]) -> Ran {
     portamento(&[&["plan"], &LIMITS[..], args].concat(), "")
 }
 
+/// What is the same in every version.
+fn unversioned(text: &str) -> String {
+    text.replace(env!("CARGO_PKG_VERSION"), "VERSION")
+}
+
 fn request(distance: f64) -> Value {
     json!({"axes": [{
         "axis": "x",
@@ -111,7 +116,7 @@ fn help_teaches() {
 
 #[test]
 fn a_plan_is_shown() {
-    insta::assert_snapshot!(plan(&["--distance", "0.05"]).with(0).out);
+    insta::assert_snapshot!(unversioned(&plan(&["--distance", "0.05"]).with(0).out));
 }
 
 #[test]
@@ -125,7 +130,7 @@ fn a_path_too_short_is_shown() {
     assert_eq!(json["error"]["reason"], "PATH_TOO_SHORT");
     assert_eq!(json["error"]["metadata"]["given"], "-0.002");
     let nearest = plan(&[&args[..], &["--short-path", "nearest-velocity"]].concat()).with(0).out;
-    insta::assert_snapshot!("adjusted", nearest);
+    insta::assert_snapshot!("adjusted", unversioned(&nearest));
 }
 
 #[test]
@@ -339,6 +344,65 @@ fn samples_are_those_of_the_digest() {
     assert_eq!(portamento(&args, "").with(0).out.lines().count(), 6);
     let args = ["sample", "--plan", text(&file), "--first-cycle", "99999"];
     assert!(portamento(&args, "").with(3).err.contains("RESUME_PAST_END"));
+}
+
+/// A server on a port of its own, for as long as the test runs.
+fn server() -> String {
+    let (told, heard) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(async {
+            let server = server::Server::bind(server::Config::loopback()).await.unwrap();
+            told.send(format!("http://{}", server.address())).unwrap();
+            server.run(std::future::pending()).await.unwrap();
+        });
+    });
+    heard.recv().unwrap()
+}
+
+#[test]
+fn a_server_gives_the_answers_of_this_process() {
+    let endpoint = server();
+    let place = place("endpoint");
+    let (here, there) = (place.join("here.json"), place.join("there.json"));
+    let ask = |args: &[&str], input: &str| {
+        let local = portamento(args, input);
+        let remote = portamento(&[args, &["--endpoint", &endpoint]].concat(), input);
+        assert_eq!((local.code, &local.out, &local.err), (remote.code, &remote.out, &remote.err), "{args:?}");
+        local
+    };
+    let lines: Vec<String> = (0..3000)
+        .map(|index| match index % 7 {
+            0 => "garbage".to_owned(),
+            1 => request(f64::MAX).to_string(),
+            _ => request(f64::from(index) / 1e3).to_string(),
+        })
+        .collect();
+    let batch = ask(&["plan", "--batch", "-"], &lines.join("\n")).with(0);
+    assert_eq!(batch.out.lines().count(), lines.len());
+    let args = [&["plan"], &LIMITS[..], &["--distance", "0.4"]].concat();
+    ask(&args, "").with(0);
+    ask(&[&args[..], &["--json"]].concat(), "").with(0);
+    ask(&[&args[..], &["--end-velocity", "0.3"]].concat(), "").with(3);
+    plan(&["--distance", "0.4", "--output", text(&here)]).with(0);
+    plan(&["--distance", "0.4", "--output", text(&there), "--endpoint", &endpoint]).with(0);
+    assert_eq!(std::fs::read(&here).unwrap(), std::fs::read(&there).unwrap());
+    ask(&["verify", "--plan", text(&here)], "").with(0);
+    ask(&["verify", "--plan", text(&here), "--json"], "").with(0);
+    ask(&["sample", "--plan", text(&here)], "").with(0);
+    ask(&["sample", "--plan", text(&here), "--json", "--first-cycle", "1234", "--cycles", "300"], "").with(0);
+    ask(&["sample", "--plan", text(&here), "--first-cycle", "99999"], "").with(3);
+    let tampered = std::fs::read_to_string(&here).unwrap().replacen("\"jerk\": 100.0", "\"jerk\": 120.0", 1);
+    ask(&["verify", "--plan", "-"], &tampered).with(1);
+    ask(&["sample", "--plan", "-"], &tampered).with(3);
+}
+
+#[test]
+fn nobody_at_the_endpoint_is_told() {
+    for endpoint in ["http://127.0.0.1:9", "not an address"] {
+        let ran = plan(&["--distance", "0.05", "--endpoint", endpoint]).with(4);
+        assert!(ran.err.contains("exit code 4") && ran.err.contains("--endpoint"), "{}", ran.err);
+    }
 }
 
 #[test]

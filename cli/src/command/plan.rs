@@ -3,7 +3,7 @@ use std::path::Path;
 use planner::Judged;
 use proto::Rejected;
 
-use crate::args::{PlanArgs, flag_of};
+use crate::args::{self, PlanArgs};
 use crate::failure::Failure;
 use crate::service::Service;
 use crate::show::paint::Screen;
@@ -15,9 +15,9 @@ const LINES_AT_ONCE: usize = 1024;
 
 /// `portamento plan`
 pub(crate) fn run(args: &PlanArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
-    let mut service = Service::open(endpoint)?;
+    let service = Service::open(endpoint)?;
     if let Some(path) = &args.batch {
-        return batch(path, &mut service, screen);
+        return batch(path, &service, screen);
     }
     let judged = match &args.request {
         Some(path) => service.plan(source::request(path)?)?,
@@ -40,16 +40,16 @@ pub(crate) fn run(args: &PlanArgs, endpoint: Option<&str>, screen: &mut Screen<'
 }
 
 /// An answer a line, in the order of the lines.
-fn batch(path: &Path, service: &mut Service, screen: &mut Screen<'_>) -> Result<(), Failure> {
+fn batch(path: &Path, service: &Service, screen: &mut Screen<'_>) -> Result<(), Failure> {
     let mut lines = Lines::open(path)?;
     loop {
         let next = lines.next(LINES_AT_ONCE).map_err(Failure::unreadable(path))?;
         if next.is_empty() {
             return Ok(());
         }
-        for answer in service.plan_all(&next, Line::request, answer_line) {
-            writeln!(screen.out, "{answer}")?;
-        }
+        service.plan_all(next, Line::request, answer_line, &mut |answer| {
+            Ok(writeln!(screen.out, "{answer}")?)
+        })?;
         // Whoever sends a line and waits for its answer gets it.
         screen.out.flush()?;
     }
@@ -69,9 +69,10 @@ fn in_flags(failure: Failure, json: bool) -> Failure {
     match failure {
         Failure::Refused(mut rejected) if !json => {
             for violation in &mut rejected.fields {
-                if let Some(flag) = flag_of(&violation.field) {
+                if let Some(flag) = args::flag_of(&violation.field) {
                     violation.field = flag.to_owned();
                 }
+                violation.description = args::in_flags(&violation.description);
             }
             Failure::Refused(rejected)
         }

@@ -1,11 +1,12 @@
 use std::fs::File;
 use std::io::Write as _;
 
+use client::Chunk;
 use proto::Digest;
 
 use crate::args::SampleArgs;
 use crate::failure::Failure;
-use crate::service::{Chunk, Service};
+use crate::service::Service;
 use crate::show::paint::Screen;
 use crate::show::{csv, json};
 use crate::source;
@@ -13,7 +14,7 @@ use crate::source;
 /// `portamento sample`
 pub(crate) fn run(args: &SampleArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
     let (plan, _) = source::plan(&args.source.plan)?;
-    let mut service = Service::open(endpoint)?;
+    let service = Service::open(endpoint)?;
     let names: Vec<String> = plan.axes().iter().map(|axis| axis.axis.clone()).collect();
     let cycle_time = plan.cycle_time();
     let mut file: Option<File> = None;

@@ -11,8 +11,8 @@ pub(crate) fn run(args: &VerifyArgs, endpoint: Option<&str>, screen: &mut Screen
     if changed {
         writeln!(screen.notes, "note: the plan is not as it was made: its fingerprint is that of another")?;
     }
-    let against = args.against.as_deref().map(|path| source::against(path, &plan)).transpose()?;
-    let certificate = Service::open(endpoint)?.verify(&plan, against.as_deref())?;
+    let against = args.against.as_deref().map(source::against).transpose()?;
+    let certificate = Service::open(endpoint)?.verify(&plan, against.unwrap_or_default())?;
     if screen.json {
         writeln!(screen.out, "{}", json::verify_response(&certificate)?)?;
     } else {

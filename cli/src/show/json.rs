@@ -25,11 +25,8 @@ pub(crate) fn sample_response(
     columns: Columns,
     digest: Digest,
 ) -> Result<String, JsonError> {
-    // A chunk is far shorter than 2³² cycles.
-    let cycles = columns.cycles() as u32;
-    let [position, velocity, acceleration, jerk] = columns.into_parts();
-    let columns = pb::SetpointColumns { cycles, position, velocity, acceleration, jerk };
-    proto::to_json(&pb::SamplePlanResponse { first_cycle, columns: Some(columns), digest: digest.into() })
+    let columns = Some(columns.into());
+    proto::to_json(&pb::SamplePlanResponse { first_cycle, columns, digest: digest.into() })
 }
 
 /// `{"error": …}`
