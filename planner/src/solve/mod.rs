@@ -83,7 +83,8 @@ impl Move {
     /// How long the motion lasts [s].
     #[must_use]
     pub fn duration(&self) -> f64 {
-        self.segments.iter().map(|segment| segment.duration).sum()
+        // Not `sum`, which is −0 where there is nothing to add.
+        self.segments.iter().fold(0.0, |total, segment| total + segment.duration)
     }
 
     /// The state at the end: the goal, but for what the adjustments say.

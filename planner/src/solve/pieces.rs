@@ -8,7 +8,8 @@ use crate::{Law, Segment, State};
 /// Lays the pieces of a shape end to end, from `start` to `reached`.
 ///
 /// Up to the cruise they are laid forward from the start, after it backward from the end, each relative to its own end:
-/// both ends are met to the last bit, and what rounding there is meets in the middle.
+/// both ends are met to the last bit, and what rounding there is meets in the middle; or, where there is nothing before the
+/// cruise, at the end of the first piece.
 pub(super) fn lay(
     shape: &Shape,
     start: State,
@@ -49,5 +50,8 @@ pub(super) fn lay(
     lay(jerk_time, reached.position, fifth, -jerk);
     lay(hold_time, reached.position, sixth, 0.0);
     lay(jerk_time, reached.position, seventh, jerk);
+    if let Some(first) = segments.first_mut() {
+        first.start = start;
+    }
     segments
 }
