@@ -9,7 +9,8 @@ pub struct CycleTime {
 /// The last cycle that can be counted: every number up to it is a double of its own.
 pub const LAST_CYCLE: u64 = 1 << 53;
 
-/// Of a cycle [1]: a motion that ends this much after a cycle ends on it. The roundings of a duration are worth as much.
+/// Of a duration [1]: a motion that ends this much after a cycle ends on it. The roundings of a duration are worth as
+/// much. It stays below a quarter of a cycle up to 2⁴⁸ cycles, 8900 years of milliseconds.
 const END_SLACK: f64 = 4.0 * f64::EPSILON;
 
 impl CycleTime {

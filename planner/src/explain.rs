@@ -47,6 +47,10 @@ fn bindings(axis: &AxisPlan) -> Vec<Binding> {
     for (from_time, segment) in axis.profile.timed_segments() {
         let Some(quantity) = binding(segment, &axis.limits) else { continue };
         let to_time = from_time + segment.duration;
+        // A piece so late and so short that its times do not differ held nothing back.
+        if to_time <= from_time {
+            continue;
+        }
         match bindings.last_mut() {
             #[expect(
                 clippy::float_cmp,
