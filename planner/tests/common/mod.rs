@@ -4,6 +4,8 @@
 
 #![allow(dead_code, reason = "each test takes what it needs")]
 
+pub(crate) mod peer;
+
 use planner::{Limits, LimitsSpec, Problem, ShortPathPolicy, State};
 use proptest::prelude::*;
 
