@@ -27,6 +27,9 @@ impl Field {
         if self.0.is_empty() || outer.0.is_empty() {
             return Self(alloc::format!("{}{}", outer.0, self.0));
         }
+        if outer.0.is_empty() {
+            return self.clone();
+        }
         Self(alloc::format!("{}.{}", outer.0, self.0))
     }
 
