@@ -63,7 +63,7 @@ pub(crate) fn problem(random: &mut Random, rest_to_rest: bool, wide: bool) -> Pr
         _ => way(velocity) * (1.0 + 3.0 * random.unit()),
     };
     let length = length.max(least * (1.0 + 1e-12));
-    let sign = if random.bits() % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = if random.bits().is_multiple_of(2) { 1.0 } else { -1.0 };
     let state = |position: f64, velocity: f64| State {
         position: sign * position,
         velocity: sign * velocity,
