@@ -31,6 +31,8 @@ struct Tally {
     slowest: f64,
     /// The largest by which ours is longer, of the peer's.
     longer: f64,
+    /// The largest gap between two pieces, or the last and the goal, of the path.
+    residual: f64,
     /// A few that the peer refuses or takes long over.
     examples: Vec<String>,
 }
@@ -41,6 +43,11 @@ impl Tally {
         let profile = ours.to_profile();
         assert_eq!(violations(&profile, problem.limits(), problem.goal()), []);
         self.asked += 1;
+        let begins = ours.segments().iter().skip(1).map(|next| next.start.position);
+        let ends = ours.segments().iter().map(|segment| segment.end().position);
+        let gaps = ends.zip(begins.chain([problem.goal().position])).map(|(end, begin)| (end - begin).abs());
+        let residual = gaps.fold(0.0, f64::max) / problem.distance().abs();
+        self.residual = self.residual.max(residual);
         let example = |what: String| {
             let (from, to, limits) = (problem.start(), problem.goal(), problem.limits());
             format!(
@@ -87,10 +94,10 @@ fn compare(count: u32, seed: u64) {
         for _ in 0..count / 4 {
             tally.ask(&mut peer, &peer::problem(&mut random, rest_to_rest, wide));
         }
-        let Tally { asked, refused, slower, slowest, longer, examples } = tally;
+        let Tally { asked, refused, slower, slowest, longer, residual, examples } = tally;
         println!(
             "{name}: of {asked}, the peer refuses {refused} and is slower in {slower}, at most {slowest:.3} times; \
-             ours is longer by at most {longer:.1e}"
+             ours is longer by at most {longer:.1e}, and its pieces are {residual:.1e} of the path apart"
         );
         for example in examples {
             println!("  {example}");
