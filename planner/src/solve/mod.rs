@@ -168,12 +168,13 @@ pub fn plan_move(problem: &Problem) -> Result<Move, InvalidFields> {
         let (asked, planned) = (problem.goal().velocity, reached.velocity);
         adjustments.push(Adjustment { quantity: Quantity::Velocity, asked, planned, reason });
     }
-    let segments = pieces::lay(&shape, problem.start(), reached, direction, lane.jerk);
-    let classification = Classification {
-        eight_type: (!segments.is_empty()).then_some(shape.kind),
-        feed_rate: if segments.is_empty() { lane.start } else { shape.peak },
-    };
-    Ok(Move { segments, reached, adjustments, classification })
+    let classification = Classification { eight_type: Some(shape.kind), feed_rate: shape.peak };
+    let mut planned = Move { segments: ArrayVec::new(), reached, adjustments, classification };
+    pieces::lay(&mut planned.segments, &shape, problem.start(), reached, direction, lane.jerk);
+    if planned.segments.is_empty() {
+        planned.classification = Classification { eight_type: None, feed_rate: lane.start };
+    }
+    Ok(planned)
 }
 
 /// The fastest stop from a constant speed, within `limits`.
@@ -195,12 +196,10 @@ pub fn plan_stop(from: State, limits: &Limits) -> Result<Move, InvalidFields> {
     within_range(reached.position, down.time(), limits)?;
     let kind = EightType::of(false, false, ramp::reaches(speed, deceleration, jerk));
     let shape = Shape { up: Ramp::default(), cruise: 0.0, down, peak: speed, end: 0.0, kind };
-    Ok(Move {
-        segments: pieces::lay(&shape, from, reached, direction, jerk),
-        reached,
-        adjustments: ArrayVec::new(),
-        classification: Classification { eight_type: None, feed_rate: speed },
-    })
+    let classification = Classification { eight_type: None, feed_rate: speed };
+    let mut stop = Move { segments: ArrayVec::new(), reached, adjustments: ArrayVec::new(), classification };
+    pieces::lay(&mut stop.segments, &shape, from, reached, direction, jerk);
+    Ok(stop)
 }
 
 /// Is `reached` inside the position range?
