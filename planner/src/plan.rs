@@ -150,7 +150,7 @@ impl Plan {
         self.cycle_count
     }
 
-    /// How long the slowest axis moves [s].
+    /// How long the slowest axis moves \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.duration

@@ -10,9 +10,9 @@ use alloc::vec::Vec;
 use crate::plan::{AxisPlan, Plan};
 use crate::{Limits, Profile, Quantity, Segment, Setpoint, State};
 
-/// Of a limit [1]: what a motion may be beyond it, since its pieces are rounded.
+/// Of a limit \[1\]: what a motion may be beyond it, since its pieces are rounded.
 pub const LIMIT_TOLERANCE: f64 = 1e-9;
-/// Of the scale of a motion (its extent, its fastest, its hardest) [1]: what two pieces may be apart where they join.
+/// Of the scale of a motion (its extent, its fastest, its hardest) \[1\]: what two pieces may be apart where they join.
 pub const JOIN_TOLERANCE: f64 = 1e-10;
 /// Units in the last place of the largest position: what positions far from zero may be apart besides, and beyond the end
 /// of their range.
@@ -43,9 +43,9 @@ pub struct LimitCheck {
     pub limit: f64,
     /// The extreme value, signed.
     pub extremum: f64,
-    /// When it is taken [s].
+    /// When it is taken \[s\].
     pub at_time: f64,
-    /// How far it is inside [1]: (limit − |extremum|) / limit; for positions, of the extent of the motion.
+    /// How far it is inside \[1\]: (limit − |extremum|) / limit; for positions, of the extent of the motion.
     pub margin: f64,
     /// Does the plan promise to keep it? If not, it is reported and not counted.
     pub guaranteed: bool,
@@ -62,7 +62,7 @@ pub struct JoinCheck {
     pub worst_jump: f64,
     /// What it may be.
     pub allowed: f64,
-    /// Where it is [s].
+    /// Where it is \[s\].
     pub at_time: f64,
     /// Does the plan promise that it joins?
     pub guaranteed: bool,

@@ -340,14 +340,12 @@ fn whole_cycles_are_counted_exactly() {
 /// The duration is asked for in cycles, and the setpoint of the last cycle is the goal to the last bit.
 #[test]
 fn the_last_cycle_is_the_goal() {
-    for length in 1..200 {
-        let goal = State::at_rest(f64::from(length) * 0.37e-3);
-        let spec = LimitsSpec {
-            max_velocity: 0.25,
-            max_acceleration: 3.0,
-            max_jerk: 100.0,
-            ..LimitsSpec::default()
-        };
+    // Durations of hundredths of a second, which is whole cycles but for a rounding.
+    for hundredth in 25..5000 {
+        let duration = f64::from(hundredth) * 0.01;
+        let goal = State::at_rest(0.5 * (duration - 0.15));
+        let spec =
+            LimitsSpec { max_velocity: 0.5, max_acceleration: 5.0, max_jerk: 100.0, ..LimitsSpec::default() };
         let plan = request(State::at_rest(0.0), goal, spec);
         let mut sampler = plan.sampler();
         assert_eq!(sampler.at(plan.cycle_count()).next(), Some(Setpoint::held(goal)));

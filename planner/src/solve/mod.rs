@@ -80,7 +80,7 @@ impl Move {
         &self.segments
     }
 
-    /// How long the motion lasts [s].
+    /// How long the motion lasts \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
         // Not `sum`, which is −0 where there is nothing to add.
@@ -105,7 +105,7 @@ impl Move {
         self.classification
     }
 
-    /// The setpoint at time `t` [s], with the bits of [`Profile::at`] and without its allocation.
+    /// The setpoint at time `t` \[s\], with the bits of [`Profile::at`] and without its allocation.
     #[must_use]
     pub fn at(&self, t: f64) -> Setpoint {
         let mut begin = 0.0;

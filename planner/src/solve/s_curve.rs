@@ -10,7 +10,7 @@ use crate::classify::EightType;
 use crate::float::{largest, least, sqrt};
 use crate::roots::fall_to_root;
 
-/// Slack on `length ≥ D(start, end)`, relative to the latter [1]: its roundings are worth about four ε, and the rest is
+/// Slack on `length ≥ D(start, end)`, relative to the latter \[1\]: its roundings are worth about four ε, and the rest is
 /// for callers who computed the length from the same formula in another order.
 const LENGTH_SLACK: f64 = 8.0 * f64::EPSILON;
 
@@ -27,7 +27,7 @@ pub(super) struct Lane {
     pub(super) jerk: f64,
 }
 
-/// What a lane is solved to: a ramp to the peak, a cruise [s], a ramp to the end.
+/// What a lane is solved to: a ramp to the peak, a cruise \[s\], a ramp to the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shape {
     pub(super) up: Ramp,
