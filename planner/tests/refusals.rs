@@ -67,6 +67,12 @@ fn the_words_of_every_reason() {
             "is 9, which this version does not know: choose one of S_CURVE, TRAPEZOIDAL",
         ),
         (
+            Why::UnknownName { given: "S".into(), choices },
+            "is \"S\", which this version does not know: use one of S_CURVE, TRAPEZOIDAL",
+        ),
+        (Why::OrderUnsupported { given: 11 }, "asks for order 11: the highest is 10"),
+        (Why::EvaluationVersion { given: 9 }, "is 9, and this planner evaluates version 1: plan again here"),
+        (
             Why::DuplicateAxis { name: "x".into() },
             "the name \"x\" is taken by an axis before it: give every axis a name of its own",
         ),
