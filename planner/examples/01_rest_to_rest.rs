@@ -6,7 +6,7 @@
 
 #![allow(clippy::print_stdout, reason = "the table is what the example is for")]
 
-use planner::{CycleTime, InvalidFields, Limits, Problem, ShortPathPolicy, State, plan_move};
+use planner::{CycleTime, InvalidFields, Limits, Problem, Setpoint, ShortPathPolicy, State, plan_move};
 
 fn main() -> Result<(), InvalidFields> {
     // 0.4 m at 0.5 m/s, 2 m/s², 20 m/s³.
@@ -15,10 +15,13 @@ fn main() -> Result<(), InvalidFields> {
     let planned = plan_move(&problem)?;
 
     let cycle = CycleTime::MILLISECOND;
+    let last = cycle.count(planned.duration()).unwrap_or_default();
     println!("time,position,velocity,acceleration,jerk");
-    for number in 0..=cycle.count(planned.duration()).unwrap_or_default() {
+    for number in 0..=last {
         let time = cycle.start_of(number);
-        let [position, velocity, acceleration, jerk] = planned.at(time).words();
+        // The last cycle is the end, though it may be due a rounding before that.
+        let setpoint = if number < last { planned.at(time) } else { Setpoint::held(planned.reached()) };
+        let [position, velocity, acceleration, jerk] = setpoint.words();
         println!("{time},{position},{velocity},{acceleration},{jerk}");
     }
     Ok(())
