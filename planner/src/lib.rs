@@ -65,7 +65,8 @@
 //! 3. [`plan_move`], [`Move`]: from a problem to its pieces, on the stack. Inside: the ramp between two speeds, the peak above
 //!    both, the nearest speed that a short path can reach. [`Classification`] names the shape as the papers do.
 //! 4. [`Request`], [`plan()`], [`Plan`], [`Sampler`]: several axes over one time base, read cycle by cycle.
-//! 5. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when.
+//! 5. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when. [`Judged`],
+//!    [`Accepted`]: a plan with both, and one that may be executed.
 //!
 //! The derivations and the decisions are in the repository's `notes/`, the laws that hold for every problem in `tests/laws.rs`.
 //!
