@@ -27,6 +27,9 @@ impl Field {
         if self.0.is_empty() || outer.0.is_empty() {
             return Self(alloc::format!("{}{}", outer.0, self.0));
         }
+        if outer.0.is_empty() {
+            return self.clone();
+        }
         Self(alloc::format!("{}.{}", outer.0, self.0))
     }
 
@@ -131,17 +134,17 @@ pub enum Why {
     /// A motion that lasts longer than cycles can be counted.
     #[error("lasts {seconds:e} s, more cycles than can be counted: raise the limits or lengthen cycle_time")]
     TooManyCycles {
-        /// The duration [s].
+        /// The duration \[s\].
         seconds: f64,
     },
     /// A cycle time out of range.
     #[error("is {given_ns} ns: a cycle lasts from {min_ns} to {max_ns} ns")]
     CycleTime {
-        /// The value [ns].
+        /// The value \[ns\].
         given_ns: i128,
-        /// The shortest cycle [ns].
+        /// The shortest cycle \[ns\].
         min_ns: u64,
-        /// The longest cycle [ns].
+        /// The longest cycle \[ns\].
         max_ns: u64,
     },
     /// Bits that this planner cannot give.
@@ -183,7 +186,7 @@ pub enum Why {
     PositionLimit {
         /// The farthest position [axis units].
         reached: f64,
-        /// When [s].
+        /// When \[s\].
         time: f64,
         /// The end of the range [axis units].
         allowed: f64,

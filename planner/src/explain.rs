@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 use crate::plan::{AxisPlan, Plan};
 use crate::{Limits, Quantity, Segment};
 
-/// Of a limit [1]: this near to it counts as held back by it.
+/// Of a limit \[1\]: this near to it counts as held back by it.
 const BINDING_SLACK: f64 = 1e-9;
 
 /// Why a plan lasts as long as it does.
@@ -23,9 +23,9 @@ pub struct Binding {
     pub axis: String,
     /// The quantity whose limit is reached.
     pub quantity: Quantity,
-    /// From when [s].
+    /// From when \[s\].
     pub from_time: f64,
-    /// Until when [s].
+    /// Until when \[s\].
     pub to_time: f64,
 }
 
@@ -47,6 +47,10 @@ fn bindings(axis: &AxisPlan) -> Vec<Binding> {
     for (from_time, segment) in axis.profile.timed_segments() {
         let Some(quantity) = binding(segment, &axis.limits) else { continue };
         let to_time = from_time + segment.duration;
+        // A piece so late and so short that its times do not differ held nothing back.
+        if to_time <= from_time {
+            continue;
+        }
         match bindings.last_mut() {
             #[expect(
                 clippy::float_cmp,

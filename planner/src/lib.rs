@@ -1,4 +1,81 @@
-//! Jerk-limited motion.
+//! Jerk-limited motion: from *where is it, where shall it go, what may it do* to a setpoint for every cycle.
+//!
+//! An axis that changes its acceleration at once shakes the machine that it moves. So acceleration may only grow as fast as the
+//! jerk limit lets it, and the fastest motion is then made of pieces of constant jerk, at most seven of them:
+//!
+//! ```text
+//! velocity      │          ╭───────────────╮           limit of velocity
+//!               │        ╱                   ╲
+//!               │      ╱                       ╲
+//!               │   ╭─╯                         ╰─╮
+//!               └───┴──────────────────────────────┴── t
+//! acceleration  │   ╭────╮                             limit of acceleration
+//!               │ ╱        ╲_______________
+//!               └╱──────────────────────────╲        ╱ t
+//!               │                             ╲____╱
+//! jerk          │ +    0   −       0       −    0   +
+//! piece         │ 1    2   3       4       5    6   7
+//! ```
+//!
+//! A short path leaves pieces out, and so do speeds at the ends; which ones, and how long the others last, is what
+//! [`plan_move`] solves. [`certify`] then says whether it did: it recomputes from the pieces alone what the motion
+//! reaches, and knows nothing of how they were found.
+//!
+//! ```
+//! use planner::{CycleTime, Limits, Problem, ShortPathPolicy, State, plan_move, violations};
+//!
+//! // 0.4 m from rest to rest, at 0.5 m/s, 2 m/s², 20 m/s³.
+//! let limits = Limits::symmetric(0.5, 2.0, 20.0)?;
+//! let problem = Problem::new(State::at_rest(0.1), State::at_rest(0.5), limits, ShortPathPolicy::Reject)?;
+//! let planned = plan_move(&problem)?;
+//! assert_eq!(planned.segments().len(), 7);
+//! assert!((planned.duration() - 1.15).abs() < 1e-15); // s/v + v/a + a/j
+//!
+//! // What a drive is sent every millisecond.
+//! let cycle = CycleTime::MILLISECOND;
+//! for number in 0..=cycle.count(planned.duration()).unwrap_or_default() {
+//!     let setpoint = planned.at(cycle.start_of(number));
+//!     assert!(setpoint.state.velocity <= 0.5 * (1.0 + 1e-12));
+//! }
+//!
+//! // And a second opinion.
+//! assert_eq!(violations(&planned.to_profile(), problem.limits(), problem.goal()), []);
+//! # Ok::<(), planner::InvalidFields>(())
+//! ```
+//!
+//! # Notation, units, signs
+//!
+//! - Lengths are in *axis units*: metres, radians or pulses, whatever the caller moves in. All else follows: velocity in axis
+//!   units/s, acceleration in /s², jerk in /s³; time in seconds, [`CycleTime`] in nanoseconds. No tolerance is absolute, so every
+//!   unit is as good as another.
+//! - In formulas `p v a j t` are position, velocity, acceleration, jerk and time, `s` a length, `d` a change of speed. `A` and `J`
+//!   are the limits.
+//! - A [`State`] is signed. [`Limits`] are magnitudes: *acceleration* limits the growth of the speed and *deceleration* its
+//!   shrinking, in either direction.
+//! - A *setpoint* is the command for one cycle: a state, and the jerk that leads on from it. *Feed rate* is the speed that is asked
+//!   for along the way. A motion is *legal* if it keeps the limits, its pieces join and it arrives.
+//! - Numbers reach from [`LEAST_LIMIT`] to [`GREATEST_MAGNITUDE`]. What is given is checked once, where it comes in
+//!   ([`Limits`], [`Problem`], [`Request`]); everything that is wrong with it is said at once, field by field ([`InvalidFields`]).
+//!
+//! # The map, in the order in which to read it
+//!
+//! 1. [`State`], [`Segment`], [`Profile`]: where an axis is; one piece; pieces laid end to end. [`State::after`] is the one place where
+//!    the cubic is written.
+//! 2. [`Limits`], [`Problem`]: what may be asked. [`ShortPathPolicy`]: what to give up on a path too short.
+//! 3. [`plan_move`], [`Move`]: from a problem to its pieces, on the stack. Inside: the ramp between two speeds, the peak above
+//!    both, the nearest speed that a short path can reach. [`Classification`] names the shape as the papers do.
+//! 4. [`Request`], [`plan()`], [`Plan`], [`Sampler`]: several axes over one time base, read cycle by cycle.
+//! 5. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when. [`Judged`],
+//!    [`Accepted`]: a plan with both, and one that may be executed.
+//!
+//! The derivations and the decisions are in the repository's `notes/`, the laws that hold for every problem in `tests/laws.rs`.
+//!
+//! # Features
+//!
+//! - `std` (default): takes square roots in hardware. Without it the crate needs `alloc` alone, and gives the same bits.
+//!
+//! There is no I/O, no clock and no randomness here, and [`plan_move`], [`Move::at`], [`Cursor::at`] and
+//! [`Sampler::columns`] take nothing from the heap.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;

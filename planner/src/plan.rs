@@ -150,7 +150,7 @@ impl Plan {
         self.cycle_count
     }
 
-    /// How long the slowest axis moves [s].
+    /// How long the slowest axis moves \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.duration
@@ -247,7 +247,7 @@ impl Sampler<'_> {
         }
     }
 
-    /// When `cycle` is due [s]. The last cycle of the plan is its end, though it may be due a rounding before that.
+    /// When `cycle` is due \[s\]. The last cycle of the plan is its end, though it may be due a rounding before that.
     fn time_of(&self, cycle: u64) -> f64 {
         if cycle < self.cycle_count { self.cycle_time.start_of(cycle) } else { f64::INFINITY }
     }

@@ -4,11 +4,11 @@ use crate::{Segment, Setpoint, State};
 
 /// One axis's motion: segments that follow each other from time zero, and the state in which it rests or drifts after.
 ///
-/// Whether the segments join, and whether they keep any limit, is for [`verify`](crate::verify) to say.
+/// Whether the segments join, and whether they keep any limit, is for [`violations`](crate::violations) to say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     segments: Vec<Segment>,
-    /// When each segment begins [s]: the running sum of the durations, in order.
+    /// When each segment begins \[s\]: the running sum of the durations, in order.
     begins: Vec<f64>,
     duration: f64,
     end: State,
@@ -36,12 +36,12 @@ impl Profile {
         &self.segments
     }
 
-    /// Each piece with the time at which it begins [s].
+    /// Each piece with the time at which it begins \[s\].
     pub fn timed_segments(&self) -> impl Iterator<Item = (f64, &Segment)> {
         self.begins.iter().copied().zip(&self.segments)
     }
 
-    /// How long the motion lasts [s].
+    /// How long the motion lasts \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.duration
@@ -59,7 +59,7 @@ impl Profile {
         self.end
     }
 
-    /// The setpoint at time `t` [s]: the start before zero, and exactly the end from `duration` on, so that an axis that
+    /// The setpoint at time `t` \[s\]: the start before zero, and exactly the end from `duration` on, so that an axis that
     /// has arrived never creeps.
     #[must_use]
     pub fn at(&self, t: f64) -> Setpoint {

@@ -11,7 +11,7 @@ pub enum Quantity {
     Jerk,
     /// [axis units/s⁴]
     Snap,
-    /// [s]
+    /// \[s\]
     Time,
 }
 

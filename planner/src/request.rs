@@ -66,7 +66,7 @@ pub struct AxisMoveSpec {
 pub struct RequestSpec {
     /// The axes, in the order that the plan keeps.
     pub axes: Vec<AxisMoveSpec>,
-    /// The time between two setpoints [ns]; `None`: 1 ms.
+    /// The time between two setpoints \[ns\]; `None`: 1 ms.
     pub cycle_time_ns: Option<i128>,
     /// The family of shapes.
     pub family: Result<Family, Why>,
@@ -76,7 +76,7 @@ pub struct RequestSpec {
     pub short_path: Result<ShortPathPolicy, Why>,
     /// How the axes go together.
     pub synchronization: Result<Synchronization, Why>,
-    /// The least duration of the plan [s].
+    /// The least duration of the plan \[s\].
     pub minimum_duration: Option<f64>,
     /// Stretch to a whole number of cycles?
     pub end_on_cycle: bool,

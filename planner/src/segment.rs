@@ -5,7 +5,7 @@ use crate::State;
 /// One piece of a motion: a start state, a law, and its own clock from zero to `duration`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// How long it lasts [s], > 0.
+    /// How long it lasts \[s\], > 0.
     pub duration: f64,
     /// The state at its own time zero.
     pub start: State,
@@ -66,7 +66,7 @@ impl Segment {
         self.at(self.duration).state
     }
 
-    /// Every instant of the segment at which position, velocity or acceleration can be extreme [s]: both ends, and
+    /// Every instant of the segment at which position, velocity or acceleration can be extreme \[s\]: both ends, and
     /// the zeros of velocity and acceleration between them. Between two neighbours all three are monotone.
     ///
     /// Two zeros of a quadratic velocity and one of a linear acceleration make five at the most.

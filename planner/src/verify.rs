@@ -10,12 +10,16 @@ use alloc::vec::Vec;
 use crate::plan::{AxisPlan, Plan};
 use crate::{Limits, Profile, Quantity, Segment, Setpoint, State};
 
-/// Of a limit [1]: what a motion may be beyond it, since its pieces are rounded.
+/// Of a limit \[1\]: what a motion may be beyond it, since its pieces are rounded.
 pub const LIMIT_TOLERANCE: f64 = 1e-9;
-/// Of the scale of a motion (its extent, its fastest, its hardest) [1]: what two pieces may be apart where they join.
+/// Of the scale of a motion (its extent, its fastest, its hardest) \[1\]: what two pieces may be apart where they join.
 pub const JOIN_TOLERANCE: f64 = 1e-10;
-/// Units in the last place of the largest position: what positions far from zero may be apart besides.
+/// Units in the last place of the largest position: what positions far from zero may be apart besides, and beyond the end
+/// of their range.
 const POSITION_ULPS: f64 = 8.0;
+/// Units in the last place of the fastest: a velocity this small is a rounded zero and goes in no direction, so that an
+/// axis that must not turn back may stop.
+const VELOCITY_ULPS: f64 = 8.0;
 
 /// What the judge found, for all axes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,9 +43,9 @@ pub struct LimitCheck {
     pub limit: f64,
     /// The extreme value, signed.
     pub extremum: f64,
-    /// When it is taken [s].
+    /// When it is taken \[s\].
     pub at_time: f64,
-    /// How far it is inside [1]: (limit − |extremum|) / limit; for positions, of the extent of the motion.
+    /// How far it is inside \[1\]: (limit − |extremum|) / limit; for positions, of the extent of the motion.
     pub margin: f64,
     /// Does the plan promise to keep it? If not, it is reported and not counted.
     pub guaranteed: bool,
@@ -58,7 +62,7 @@ pub struct JoinCheck {
     pub worst_jump: f64,
     /// What it may be.
     pub allowed: f64,
-    /// Where it is [s].
+    /// Where it is \[s\].
     pub at_time: f64,
     /// Does the plan promise that it joins?
     pub guaranteed: bool,
@@ -276,8 +280,7 @@ impl Worst {
 
     /// As `see`, for a magnitude.
     fn see_magnitude(&mut self, extremum: f64, limit: f64, at_time: f64) {
-        let margin = if limit == 0.0 && extremum == 0.0 { 1.0 } else { (limit - extremum.abs()) / limit };
-        self.see(margin, limit, extremum, at_time);
+        self.see((limit - extremum.abs()) / limit, limit, extremum, at_time);
     }
 }
 
@@ -285,10 +288,10 @@ impl Worst {
 struct Extremes {
     least_position: (f64, f64),
     greatest_position: (f64, f64),
-    velocity: Worst,
+    least_velocity: (f64, f64),
+    greatest_velocity: (f64, f64),
     acceleration: Worst,
     jerk: Worst,
-    fastest: f64,
     hardest: f64,
 }
 
@@ -298,10 +301,10 @@ impl Extremes {
         let mut extremes = Self {
             least_position: (start.position, 0.0),
             greatest_position: (start.position, 0.0),
-            velocity: Worst::NONE,
+            least_velocity: (start.velocity, 0.0),
+            greatest_velocity: (start.velocity, 0.0),
             acceleration: Worst::NONE,
             jerk: Worst::NONE,
-            fastest: 0.0,
             hardest: 0.0,
         };
         for (begin, segment) in profile.timed_segments() {
@@ -326,19 +329,12 @@ impl Extremes {
 
     fn see_setpoint(&mut self, time: f64, setpoint: Setpoint, travel: f64, limits: &Limits) {
         let Setpoint { state: State { position, velocity, acceleration }, jerk } = setpoint;
-        // Not `<` and `>`: NaN is to be seen.
-        if position.is_nan() || position < self.least_position.0 {
-            self.least_position = (position, time);
-        }
-        if position.is_nan() || position > self.greatest_position.0 {
-            self.greatest_position = (position, time);
-        }
-        self.velocity.see_magnitude(velocity, limits.velocity_towards(velocity), time);
+        widen(&mut self.least_position, &mut self.greatest_position, position, time);
+        widen(&mut self.least_velocity, &mut self.greatest_velocity, velocity, time);
         let speeds_up = acceleration * travel >= 0.0;
         let hardest = if speeds_up { limits.acceleration() } else { limits.deceleration() };
         self.acceleration.see_magnitude(acceleration, hardest, time);
         self.jerk.see_magnitude(jerk, limits.jerk(), time);
-        self.fastest = self.fastest.max(velocity.abs());
         self.hardest = self.hardest.max(acceleration.abs());
     }
 
@@ -346,31 +342,61 @@ impl Extremes {
         self.greatest_position.0 - self.least_position.0
     }
 
-    /// What may be apart at a join or at the end, quantity by quantity.
+    fn fastest(&self) -> f64 {
+        self.least_velocity.0.abs().max(self.greatest_velocity.0.abs())
+    }
+
+    /// What positions far from zero may be apart.
+    fn position_rounding(&self) -> f64 {
+        POSITION_ULPS * f64::EPSILON * self.least_position.0.abs().max(self.greatest_position.0.abs())
+    }
+
+    /// What may be apart at a join or at the end, quantity by quantity. Below the normal numbers there is no relative
+    /// rounding, so nothing is asked there.
     fn allowed(&self, goal: &State) -> State {
-        let farthest =
-            self.least_position.0.abs().max(self.greatest_position.0.abs()).max(goal.position.abs());
+        let rounding = self.position_rounding().max(POSITION_ULPS * f64::EPSILON * goal.position.abs());
         State {
-            position: JOIN_TOLERANCE * self.extent() + POSITION_ULPS * f64::EPSILON * farthest,
-            velocity: JOIN_TOLERANCE * self.fastest,
-            acceleration: JOIN_TOLERANCE * self.hardest,
+            position: JOIN_TOLERANCE * self.extent() + rounding + f64::MIN_POSITIVE,
+            velocity: JOIN_TOLERANCE * self.fastest() + f64::MIN_POSITIVE,
+            acceleration: JOIN_TOLERANCE * self.hardest + f64::MIN_POSITIVE,
         }
     }
 
     fn worst(&self, limits: &Limits) -> impl Iterator<Item = (Quantity, Worst)> {
         let position = self.position(limits).map(|worst| (Quantity::Position, worst));
         position.into_iter().chain([
-            (Quantity::Velocity, self.velocity),
+            (Quantity::Velocity, self.velocity(limits)),
             (Quantity::Acceleration, self.acceleration),
             (Quantity::Jerk, self.jerk),
         ])
     }
 
+    /// The velocity that is nearest to the limit of its direction.
+    fn velocity(&self, limits: &Limits) -> Worst {
+        let zero = VELOCITY_ULPS * f64::EPSILON * self.fastest();
+        let mut worst = Worst::NONE;
+        for (velocity, at_time) in [self.greatest_velocity, self.least_velocity] {
+            if velocity.abs() <= zero {
+                let limit = limits.velocity_forward();
+                worst.see(1.0, limit, velocity, at_time);
+            } else {
+                worst.see_magnitude(velocity, limits.velocity_towards(velocity), at_time);
+            }
+        }
+        worst
+    }
+
     /// The end of the position range that is nearest; none where there is no range.
     fn position(&self, limits: &Limits) -> Option<Worst> {
         let mut worst = Worst::NONE;
-        let scale = self.extent().max(f64::EPSILON * limits.spec().max_position.map_or(0.0, f64::abs));
-        let margin = |inside: f64| if inside == 0.0 { 0.0 } else { inside / scale };
+        let rounding = self.position_rounding();
+        // At the end of the range but for a rounding is at the end of the range.
+        let margin = |inside: f64| match self.extent() {
+            _ if inside.abs() <= rounding => 0.0,
+            // Nothing moves: inside or not.
+            0.0 => inside.signum(),
+            extent => (inside / extent).clamp(-f64::MAX, f64::MAX),
+        };
         if let Some(limit) = limits.spec().max_position {
             let (extremum, at_time) = self.greatest_position;
             worst.see(margin(limit - extremum), limit, extremum, at_time);
@@ -380,6 +406,16 @@ impl Extremes {
             worst.see(margin(extremum - limit), limit, extremum, at_time);
         }
         (worst.margin < f64::INFINITY || worst.margin.is_nan()).then_some(worst)
+    }
+}
+
+/// Widens a range to hold `value`, with the times of both its ends. Not `<` and `>` alone: NaN is to be seen.
+fn widen(least: &mut (f64, f64), greatest: &mut (f64, f64), value: f64, time: f64) {
+    if value.is_nan() || value < least.0 {
+        *least = (value, time);
+    }
+    if value.is_nan() || value > greatest.0 {
+        *greatest = (value, time);
     }
 }
 

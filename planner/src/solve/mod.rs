@@ -80,10 +80,11 @@ impl Move {
         &self.segments
     }
 
-    /// How long the motion lasts [s].
+    /// How long the motion lasts \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
-        self.segments.iter().map(|segment| segment.duration).sum()
+        // Not `sum`, which is −0 where there is nothing to add.
+        self.segments.iter().fold(0.0, |total, segment| total + segment.duration)
     }
 
     /// The state at the end: the goal, but for what the adjustments say.
@@ -104,7 +105,7 @@ impl Move {
         self.classification
     }
 
-    /// The setpoint at time `t` [s], with the bits of [`Profile::at`] and without its allocation.
+    /// The setpoint at time `t` \[s\], with the bits of [`Profile::at`] and without its allocation.
     #[must_use]
     pub fn at(&self, t: f64) -> Setpoint {
         let mut begin = 0.0;
@@ -167,12 +168,13 @@ pub fn plan_move(problem: &Problem) -> Result<Move, InvalidFields> {
         let (asked, planned) = (problem.goal().velocity, reached.velocity);
         adjustments.push(Adjustment { quantity: Quantity::Velocity, asked, planned, reason });
     }
-    let segments = pieces::lay(&shape, problem.start(), reached, direction, lane.jerk);
-    let classification = Classification {
-        eight_type: (!segments.is_empty()).then_some(shape.kind),
-        feed_rate: if segments.is_empty() { lane.start } else { shape.peak },
-    };
-    Ok(Move { segments, reached, adjustments, classification })
+    let classification = Classification { eight_type: Some(shape.kind), feed_rate: shape.peak };
+    let mut planned = Move { segments: ArrayVec::new(), reached, adjustments, classification };
+    pieces::lay(&mut planned.segments, &shape, problem.start(), reached, direction, lane.jerk);
+    if planned.segments.is_empty() {
+        planned.classification = Classification { eight_type: None, feed_rate: lane.start };
+    }
+    Ok(planned)
 }
 
 /// The fastest stop from a constant speed, within `limits`.
@@ -194,12 +196,10 @@ pub fn plan_stop(from: State, limits: &Limits) -> Result<Move, InvalidFields> {
     within_range(reached.position, down.time(), limits)?;
     let kind = EightType::of(false, false, ramp::reaches(speed, deceleration, jerk));
     let shape = Shape { up: Ramp::default(), cruise: 0.0, down, peak: speed, end: 0.0, kind };
-    Ok(Move {
-        segments: pieces::lay(&shape, from, reached, direction, jerk),
-        reached,
-        adjustments: ArrayVec::new(),
-        classification: Classification { eight_type: None, feed_rate: speed },
-    })
+    let classification = Classification { eight_type: None, feed_rate: speed };
+    let mut stop = Move { segments: ArrayVec::new(), reached, adjustments: ArrayVec::new(), classification };
+    pieces::lay(&mut stop.segments, &shape, from, reached, direction, jerk);
+    Ok(stop)
 }
 
 /// Is `reached` inside the position range?

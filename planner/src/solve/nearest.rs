@@ -33,10 +33,10 @@ type Change = (f64, Ramp);
 /// Speeding up by `d`: `(v + d/2)·t(d) = length`, which grows with `d`.
 fn up(lane: &Lane) -> Change {
     let Lane { start, length, acceleration, jerk, .. } = *lane;
-    let corner = acceleration * acceleration / jerk;
-    if length >= lane.ramp_length(start, start + corner) {
+    let (corner, jerk_time) = (acceleration * acceleration / jerk, acceleration / jerk);
+    // The ramp over a²/j, without the sum `start + corner`, in which the corner may vanish.
+    if length >= (2.0 * start + corner) * jerk_time {
         // Ladder: d²/2a + b·d = r.
-        let jerk_time = acceleration / jerk;
         let rest = largest(0.0, length - start * jerk_time);
         let b = start / acceleration + 0.5 * jerk_time;
         let change = 2.0 * rest / (b + sqrt(b * b + 2.0 * rest / acceleration));

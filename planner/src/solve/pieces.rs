@@ -8,17 +8,20 @@ use crate::{Law, Segment, State};
 /// Lays the pieces of a shape end to end, from `start` to `reached`.
 ///
 /// Up to the cruise they are laid forward from the start, after it backward from the end, each relative to its own end:
-/// both ends are met to the last bit, and what rounding there is meets in the middle.
+/// both ends are met to the last bit, and what rounding there is meets in the middle; or, where there is nothing before the
+/// cruise, at the end of the first piece.
+///
+/// They are laid into their place, since copying seven of them costs as much as laying two.
 pub(super) fn lay(
+    segments: &mut ArrayVec<Segment, MAX_PIECES>,
     shape: &Shape,
     start: State,
     reached: State,
     direction: f64,
     jerk: f64,
-) -> ArrayVec<Segment, MAX_PIECES> {
+) {
     let Shape { up, cruise, down, peak, .. } = *shape;
     let jerk = direction * jerk;
-    let mut segments = ArrayVec::new();
     let mut lay = |duration: f64, origin: f64, from: State, jerk: f64| {
         if duration > 0.0 {
             let position = origin + from.position;
@@ -49,5 +52,7 @@ pub(super) fn lay(
     lay(jerk_time, reached.position, fifth, -jerk);
     lay(hold_time, reached.position, sixth, 0.0);
     lay(jerk_time, reached.position, seventh, jerk);
-    segments
+    if let Some(first) = segments.first_mut() {
+        first.start = start;
+    }
 }

@@ -1,6 +1,6 @@
 use crate::float::{largest, sqrt};
 
-/// A change of speed with no acceleration at both ends: jerk up, hold, jerk down [s].
+/// A change of speed with no acceleration at both ends: jerk up, hold, jerk down \[s\].
 ///
 /// ```text
 /// a │  ╭────╮         ladder   (d ≥ a²/j):  jerk_time = a/j,    hold_time = d/a − a/j

@@ -10,7 +10,7 @@ use crate::classify::EightType;
 use crate::float::{largest, least, sqrt};
 use crate::roots::fall_to_root;
 
-/// Slack on `length ≥ D(start, end)`, relative to the latter [1]: its roundings are worth about four ε, and the rest is
+/// Slack on `length ≥ D(start, end)`, relative to the latter \[1\]: its roundings are worth about four ε, and the rest is
 /// for callers who computed the length from the same formula in another order.
 const LENGTH_SLACK: f64 = 8.0 * f64::EPSILON;
 
@@ -27,7 +27,7 @@ pub(super) struct Lane {
     pub(super) jerk: f64,
 }
 
-/// What a lane is solved to: a ramp to the peak, a cruise [s], a ramp to the end.
+/// What a lane is solved to: a ramp to the peak, a cruise \[s\], a ramp to the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shape {
     pub(super) up: Ramp,
@@ -62,37 +62,53 @@ impl Lane {
     /// The unknown is `u`, the peak above the faster end, or its root `q`: never a difference of absolute speeds, which
     /// loses the digits that a short path needs.
     pub(super) fn solve(&self) -> Shape {
-        let faster = largest(self.start, self.end);
-        let room = self.cruise - faster;
-        let spare = self.length - self.two_ramps(room);
+        let room = Rise::to(self.cruise - largest(self.start, self.end));
+        let ramps = self.ramps(room);
+        let spare = self.length - self.length_of(room.change, &ramps);
         if spare > 0.0 {
-            return self.shape(Rise { change: room, root: sqrt(room) }, spare / self.cruise);
+            return self.shape(room, ramps, spare / self.cruise);
         }
-        let rise = self.rise();
-        let rise = if rise.change > room { Rise { change: room, root: sqrt(room) } } else { rise };
-        self.shape(rise, 0.0)
+        let rise = self.rise(room.change);
+        let rise = if rise.change > room.change { room } else { rise };
+        self.shape(rise, self.ramps(rise), 0.0)
+    }
+
+    /// The ramps on both sides of a peak that is `rise` above the faster end.
+    fn ramps(&self, rise: Rise) -> Ramps {
+        let gap = (self.end - self.start).abs();
+        let near = if self.reaches(rise.change) {
+            Ramp::ladder(rise.change, self.acceleration, self.jerk)
+        } else {
+            Ramp::triangle(rise.root, sqrt(self.jerk))
+        };
+        // Equal ends have equal ramps; from rest to rest that is half of the roots.
+        let far = if gap == 0.0 { near } else { Ramp::over(rise.change + gap, self.acceleration, self.jerk) };
+        Ramps { near, far }
+    }
+
+    /// `S` at the speed `rise` above the faster end, which has these `ramps`.
+    fn length_of(&self, rise: f64, ramps: &Ramps) -> f64 {
+        let (faster, sum, _) = self.ends();
+        0.5 * ((2.0 * faster + rise) * ramps.near.time() + (sum + rise) * ramps.far.time())
     }
 
     /// `S` at the speed `rise` above the faster end.
     fn two_ramps(&self, rise: f64) -> f64 {
-        let sum = self.start + self.end;
-        let gap = (self.end - self.start).abs();
-        let faster = largest(self.start, self.end);
-        let near = Ramp::over(rise, self.acceleration, self.jerk).time();
-        let far = Ramp::over(rise + gap, self.acceleration, self.jerk).time();
-        0.5 * ((2.0 * faster + rise) * near + (sum + rise) * far)
+        self.length_of(rise, &self.ramps(Rise::to(rise)))
     }
 
-    /// How far the peak rises above the faster end where there is no cruise: the root of `S = length`.
-    fn rise(&self) -> Rise {
+    /// How far the peak rises above the faster end where there is no cruise: the root of `S = length`, which is at most
+    /// `room`, so that only the shapes that fit into that need to be asked about.
+    fn rise(&self, room: f64) -> Rise {
         let Self { acceleration, jerk, .. } = *self;
         let gap = (self.end - self.start).abs();
         let corner = acceleration * acceleration / jerk;
-        if self.length >= self.two_ramps(corner) {
+        if corner <= room && self.length >= self.two_ramps(corner) {
             return self.rise_both_reach();
         }
         // Where the gap itself reaches the limit, the far ramp always does.
-        if self.reaches(gap) || self.length >= self.two_ramps(corner - gap) {
+        let bend = corner - gap;
+        if self.reaches(gap) || (bend <= room && self.length >= self.two_ramps(bend)) {
             return self.rise_far_reaches();
         }
         self.rise_none_reaches()
@@ -156,15 +172,9 @@ impl Lane {
         (largest(self.start, self.end), self.start + self.end, (self.end - self.start).abs())
     }
 
-    /// The ramps on both sides of a peak that is `rise` above the faster end.
-    fn shape(&self, rise: Rise, cruise: f64) -> Shape {
+    fn shape(&self, rise: Rise, ramps: Ramps, cruise: f64) -> Shape {
         let (faster, _, gap) = self.ends();
-        let near = if self.reaches(rise.change) {
-            Ramp::ladder(rise.change, self.acceleration, self.jerk)
-        } else {
-            Ramp::triangle(rise.root, sqrt(self.jerk))
-        };
-        let far = Ramp::over(rise.change + gap, self.acceleration, self.jerk);
+        let Ramps { near, far } = ramps;
         let (near_reaches, far_reaches) = (self.reaches(rise.change), self.reaches(rise.change + gap));
         let near_is_up = self.start > self.end;
         let (up, down) = if near_is_up { (near, far) } else { (far, near) };
@@ -181,9 +191,22 @@ impl Lane {
     }
 }
 
+/// The ramps from the faster end to the peak, and from the slower end to it.
+#[derive(Clone, Copy, Debug)]
+struct Ramps {
+    near: Ramp,
+    far: Ramp,
+}
+
 /// How far the peak is above the faster end [axis units/s], and the root of that.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rise {
     change: f64,
     root: f64,
+}
+
+impl Rise {
+    fn to(change: f64) -> Self {
+        Self { change, root: sqrt(change) }
+    }
 }

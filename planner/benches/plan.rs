@@ -1,0 +1,62 @@
+//! What does a plan cost, beside the peer's?
+//!
+//! ```text
+//! cargo bench -p portamento-planner --bench plan
+//! ```
+//! One iteration plans one problem of a seeded set that is cycled through; each side gets its inputs ready made.
+
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    reason = "criterion's macros write functions without documentation; a bench may fail by panicking"
+)]
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use std::hint::black_box;
+
+use common::Random;
+use common::peer::{self, Peer};
+use criterion::{Criterion, criterion_group, criterion_main};
+use planner::{Problem, plan_move, violations};
+
+const PROBLEMS: usize = 4096;
+
+/// Problems that both can do, with the same answer.
+fn problems(rest_to_rest: bool) -> Vec<Problem> {
+    let (mut random, mut peer) = (Random(3), Peer::new());
+    let mut problems = Vec::with_capacity(PROBLEMS);
+    while problems.len() < PROBLEMS {
+        let problem = peer::problem(&mut random, rest_to_rest, false);
+        let ours = plan_move(&problem).unwrap();
+        assert_eq!(violations(&ours.to_profile(), problem.limits(), problem.goal()), []);
+        if let Some(theirs) = peer.duration(&peer::input(&problem)) {
+            assert!((ours.duration() - theirs).abs() <= 1e-9 * theirs, "{ours:?}: theirs {theirs}");
+            problems.push(problem);
+        }
+    }
+    problems
+}
+
+fn compare(criterion: &mut Criterion, name: &str, problems: &[Problem]) {
+    let inputs: Vec<_> = problems.iter().map(peer::input).collect();
+    let mut group = criterion.benchmark_group(name);
+    let mut cycle = problems.iter().cycle();
+    group.bench_function("ours", |bencher| {
+        bencher.iter(|| black_box(plan_move(black_box(cycle.next().unwrap()))).is_ok());
+    });
+    let (mut cycle, mut peer) = (inputs.iter().cycle(), Peer::new());
+    group.bench_function("rsruckig", |bencher| {
+        bencher.iter(|| peer.duration(black_box(cycle.next().unwrap())));
+    });
+    group.finish();
+}
+
+fn plans(criterion: &mut Criterion) {
+    compare(criterion, "plan/rest_to_rest", &problems(true));
+    compare(criterion, "plan/start_and_end_velocity", &problems(false));
+}
+
+criterion_group!(benches, plans);
+criterion_main!(benches);

@@ -1,0 +1,128 @@
+//! What a control loop calls per cycle takes nothing from the heap.
+
+#![allow(unsafe_code, reason = "an allocator is unsafe to write; this one counts and passes on")]
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::hint::black_box;
+
+use planner::{
+    AxisKind, AxisMoveSpec, Cursor, Family, LimitsSpec, Problem, Request, RequestSpec, ShortPathPolicy,
+    State, Synchronization, plan, plan_move,
+};
+
+thread_local! {
+    /// Counts this thread's allocations only: the test harness has threads of its own.
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+fn count() {
+    // A thread that is ending has no counter any more, and nothing to count for.
+    let _ = ALLOCATIONS.try_with(|allocations| allocations.set(allocations.get() + 1));
+}
+
+// SAFETY: everything is passed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promises are those that `System` asks for.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        count();
+        // SAFETY: as above; `pointer` came from `System`.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: as above.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// How often `work` goes to the heap.
+fn allocations(work: impl FnOnce()) -> u64 {
+    let before = ALLOCATIONS.get();
+    work();
+    ALLOCATIONS.get() - before
+}
+
+fn limits() -> LimitsSpec {
+    LimitsSpec { max_velocity: 0.5, max_acceleration: 2.0, max_jerk: 20.0, ..LimitsSpec::default() }
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(allocations(|| drop(black_box(Box::new(1)))), 2);
+}
+
+/// Under every policy that has an answer, long and short.
+#[test]
+fn a_plan_allocates_nothing() {
+    for policy in
+        [ShortPathPolicy::Reject, ShortPathPolicy::NearestVelocity, ShortPathPolicy::MatchStartVelocity]
+    {
+        for (from, to, length) in [(0.0, 0.0, 1.0), (0.1, 0.4, 0.3), (0.4, 0.1, 1e-3), (0.1, 0.4, 1e-3)] {
+            let start = State { position: 0.0, velocity: from, acceleration: 0.0 };
+            let goal = State { position: length, velocity: to, acceleration: 0.0 };
+            let problem = Problem::new(start, goal, limits().try_into().unwrap(), policy).unwrap();
+            if policy == ShortPathPolicy::Reject && length < 0.1 {
+                continue;
+            }
+            let count = allocations(|| {
+                let _ = black_box(plan_move(black_box(&problem)));
+            });
+            assert_eq!(count, 0, "{policy:?} from {from} to {to} over {length}");
+        }
+    }
+}
+
+#[test]
+fn reading_allocates_nothing() {
+    let axis = AxisMoveSpec {
+        axis: "x".into(),
+        kind: Ok(AxisKind::Prismatic),
+        start: State::at_rest(0.0),
+        goal: State::at_rest(0.425),
+        limits: limits(),
+    };
+    let spec = RequestSpec {
+        axes: vec![axis],
+        cycle_time_ns: None,
+        family: Ok(Family::SCurve),
+        order: None,
+        short_path: Ok(ShortPathPolicy::Reject),
+        synchronization: Ok(Synchronization::None),
+        minimum_duration: None,
+        end_on_cycle: false,
+    };
+    let request = Request::try_from(spec).unwrap();
+    let plan = plan(&request).unwrap();
+    let profile = &plan.axes()[0].profile;
+    let planned = plan_move(&request.axes()[0].problem).unwrap();
+    let mut cursor = Cursor::new(profile);
+    let mut sampler = plan.sampler();
+    let mut column = [0.0; 1300];
+
+    let count = allocations(|| {
+        for cycle in (0..1300).chain((0..1300).rev()) {
+            let time = plan.cycle_time().start_of(cycle);
+            black_box((planned.at(time), profile.at(time), cursor.at(time)));
+            for setpoint in sampler.at(cycle) {
+                black_box(setpoint);
+            }
+        }
+        let mut rows = column.iter_mut();
+        sampler.columns(0, 0..1300, |setpoint| *rows.next().unwrap() = setpoint.state.position);
+    });
+    assert_eq!(count, 0);
+    assert!((column[1299] - 0.425).abs() < f64::EPSILON);
+}

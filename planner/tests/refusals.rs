@@ -1,0 +1,337 @@
+//! The words of every refusal, and where each is said: a copied message is a fault that no compiler sees.
+
+#![allow(clippy::unwrap_used, clippy::unwrap_in_result, reason = "a test may fail by panicking")]
+
+use planner::{
+    AxisKind, AxisMoveSpec, CycleTime, Family, Field, InvalidFields, Limits, LimitsSpec, Method, Plan,
+    Problem, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Why, plan, plan_move, plan_stop,
+};
+
+fn limits() -> LimitsSpec {
+    LimitsSpec { max_velocity: 1.0, max_acceleration: 2.0, max_jerk: 3.0, ..LimitsSpec::default() }
+}
+
+fn moving(position: f64, velocity: f64) -> State {
+    State { position, velocity, acceleration: 0.0 }
+}
+
+fn axis(name: &str, goal: State) -> AxisMoveSpec {
+    let (axis, kind, start) = (name.into(), Ok(AxisKind::Prismatic), State::at_rest(0.0));
+    AxisMoveSpec { axis, kind, start, goal, limits: limits() }
+}
+
+fn request(axes: Vec<AxisMoveSpec>) -> RequestSpec {
+    RequestSpec {
+        axes,
+        cycle_time_ns: None,
+        family: Ok(Family::SCurve),
+        order: None,
+        short_path: Ok(ShortPathPolicy::Reject),
+        synchronization: Ok(Synchronization::None),
+        minimum_duration: None,
+        end_on_cycle: false,
+    }
+}
+
+/// Each refusal on a line of its own.
+fn lines(refusal: &InvalidFields) -> Vec<String> {
+    refusal.as_slice().iter().map(ToString::to_string).collect()
+}
+
+#[track_caller]
+fn check<T: std::fmt::Debug>(result: Result<T, InvalidFields>, expected: &[&str]) {
+    assert_eq!(lines(&result.unwrap_err()), expected);
+}
+
+fn problem(start: State, goal: State, limits: LimitsSpec) -> Result<Problem, InvalidFields> {
+    Problem::new(start, goal, limits.try_into().unwrap(), ShortPathPolicy::Reject)
+}
+
+#[test]
+fn the_words_of_every_reason() {
+    let choices = "S_CURVE, TRAPEZOIDAL";
+    let (given, allowed, limit) = (2.5, 2.0, "limits.max_velocity");
+    let rows = [
+        (Why::NotFinite { given: f64::NAN }, "is NaN: give a finite number of at most 1e60 in magnitude"),
+        (
+            Why::NotPositive { given: -1.5 },
+            "is -1.5: a limit is a magnitude, at least 1e-60; its sign is not needed",
+        ),
+        (
+            Why::EmptyRange { min: 2.0, max: 1.0 },
+            "the range from 2 to 1 is empty: exchange min_position and max_position",
+        ),
+        (Why::Unspecified { choices }, "is not set: choose one of S_CURVE, TRAPEZOIDAL"),
+        (
+            Why::UnknownChoice { given: 9, choices },
+            "is 9, which this version does not know: choose one of S_CURVE, TRAPEZOIDAL",
+        ),
+        (
+            Why::UnknownName { given: "S".into(), choices },
+            "is \"S\", which this version does not know: use one of S_CURVE, TRAPEZOIDAL",
+        ),
+        (Why::OrderUnsupported { given: 11 }, "asks for order 11: the highest is 10"),
+        (Why::EvaluationVersion { given: 9 }, "is 9, and this planner evaluates version 1: plan again here"),
+        (
+            Why::DuplicateAxis { name: "x".into() },
+            "the name \"x\" is taken by an axis before it: give every axis a name of its own",
+        ),
+        (
+            Why::UnknownAxis { name: "z".into(), known: "x, y".into() },
+            "no axis is called \"z\": the plan has x, y",
+        ),
+        (Why::NoAxes, "is empty: give at least one axis"),
+        (
+            Why::TooManyAxes { given: 65, allowed: 64 },
+            "has 65 axes: a plan takes at most 64, so split the request",
+        ),
+        (
+            Why::TooManySegments { given: 9, allowed: 8 },
+            "has 9 segments: an axis takes at most 8, so split the plan",
+        ),
+        (
+            Why::TooManyCycles { seconds: 1e20 },
+            "lasts 1e20 s, more cycles than can be counted: raise the limits or lengthen cycle_time",
+        ),
+        (
+            Why::CycleTime { given_ns: 1, min_ns: 10_000, max_ns: 1_000_000_000 },
+            "is 1 ns: a cycle lasts from 10000 to 1000000000 ns",
+        ),
+        (
+            Why::NotImplemented { what: "an order", instead: "leave it out" },
+            "an order is not implemented: leave it out",
+        ),
+        (
+            Why::StartOutsideLimits { given, allowed, limit },
+            "is 2.5, beyond 2: begin inside the limit or raise limits.max_velocity",
+        ),
+        (
+            Why::GoalOutsideLimits { given, allowed, limit },
+            "is 2.5, beyond 2: end inside the limit or raise limits.max_velocity",
+        ),
+        (
+            Why::PositionLimit { reached: 3.0, time: 1.5, allowed, limit: "limits.max_position" },
+            "the motion reaches 3 at 1.5 s, beyond 2: stay inside or move limits.max_position",
+        ),
+        (
+            Why::PathTooShort { needed: 2.0, given: 1.0, nearest_velocity: 0.5 },
+            "the path of 1 is too short to change from the start to the end velocity, which needs 2: lengthen it, end \
+             at a velocity of 0.5, or name a short_path_policy",
+        ),
+    ];
+    for (why, text) in rows {
+        assert_eq!(why.to_string(), text);
+    }
+}
+
+#[test]
+fn several_refusals_in_one_text() {
+    let mut refusal = InvalidFields::one(Field::named("a"), Why::NoAxes);
+    refusal.note("b", None);
+    refusal.note("b", Some(Why::NoAxes));
+    refusal.note("", Some(Why::NoAxes));
+    let each = "is empty: give at least one axis";
+    assert_eq!(refusal.to_string(), format!("a: {each}; b: {each}; {each}"));
+}
+
+#[test]
+fn everything_that_is_wrong_is_said_at_once() {
+    let mut first = axis("x", moving(f64::INFINITY, 0.0));
+    first.limits.max_jerk = 0.0;
+    first.limits.max_velocity = -1.0;
+    first.limits.min_position = Some(1.0);
+    first.limits.max_position = Some(0.0);
+    first.limits.feed_rate = Some(f64::NAN);
+    let mut second = axis("x", moving(1.0, 2.0));
+    second.start = State { position: 0.0, velocity: 3.0, acceleration: 1.0 };
+    let third = AxisMoveSpec {
+        kind: Err(Why::Unspecified { choices: "PRISMATIC" }),
+        ..axis("z", State::at_rest(2e60))
+    };
+    let spec = RequestSpec {
+        cycle_time_ns: Some(-5),
+        family: Ok(Family::Polynomial),
+        order: Some(4),
+        short_path: Err(Why::UnknownChoice { given: 7, choices: "REJECT" }),
+        synchronization: Ok(Synchronization::Time),
+        minimum_duration: Some(f64::NAN),
+        end_on_cycle: true,
+        ..request(vec![first, second, third])
+    };
+    check(
+        Request::try_from(spec),
+        &[
+            "family: the family POLYNOMIAL is not implemented: choose S_CURVE",
+            "order: an order is not implemented: leave it out: the family S_CURVE has order 3",
+            "minimum_duration: is NaN: give a finite number of at most 1e60 in magnitude",
+            "end_on_cycle: ending on a whole cycle is not implemented: leave it out: the plan's last cycle is its end \
+             state, up to one cycle after the end",
+            "short_path_policy: is 7, which this version does not know: choose one of REJECT",
+            "synchronization: synchronization of several axes is not implemented: choose SYNCHRONIZATION_NONE: each \
+             axis ends by itself and rests",
+            "cycle_time: is -5 ns: a cycle lasts from 10000 to 1000000000 ns",
+            "axes[1].axis: the name \"x\" is taken by an axis before it: give every axis a name of its own",
+            "axes[0].limits.max_velocity: is -1: a limit is a magnitude, at least 1e-60; its sign is not needed",
+            "axes[0].limits.max_jerk: is 0: a limit is a magnitude, at least 1e-60; its sign is not needed",
+            "axes[0].limits.feed_rate: is NaN: give a finite number of at most 1e60 in magnitude",
+            "axes[0].limits.max_position: the range from 1 to 0 is empty: exchange min_position and max_position",
+            "axes[0].goal.position: is inf: give a finite number of at most 1e60 in magnitude",
+            "axes[1].goal.velocity: a goal at speed for one of several axes is not implemented: end every axis at \
+             rest, or plan each axis by itself",
+            "axes[1].start.velocity: is 3, beyond 1: begin inside the limit or raise limits.max_velocity",
+            "axes[1].start.acceleration: an acceleration at the start or the goal is not implemented: begin and end \
+             with an acceleration of zero",
+            "axes[1].goal.velocity: is 2, beyond 1: end inside the limit or raise limits.max_velocity",
+            "axes[2].kind: is not set: choose one of PRISMATIC",
+            "axes[2].goal.position: is 2000000000000000000000000000000000000000000000000000000000000: give a finite \
+             number of at most 1e60 in magnitude",
+        ],
+    );
+}
+
+#[test]
+fn every_number_of_a_limit_is_checked() {
+    let mut spec = LimitsSpec {
+        max_velocity: f64::NAN,
+        max_acceleration: -2.0,
+        max_jerk: 1e61,
+        max_deceleration: Some(0.0),
+        max_velocity_reverse: Some(-1.0),
+        min_position: Some(f64::NEG_INFINITY),
+        max_position: Some(f64::NAN),
+        max_snap: Some(1e-61),
+        feed_rate: Some(-0.0),
+        ..LimitsSpec::default()
+    };
+    spec.max_higher_derivatives.push(-1.0);
+    let fields: Vec<_> =
+        Limits::try_from(spec).unwrap_err().as_slice().iter().map(|f| f.field.to_string()).collect();
+    let expected = [
+        "max_velocity",
+        "max_acceleration",
+        "max_jerk",
+        "max_deceleration",
+        "max_snap",
+        "feed_rate",
+        "max_higher_derivatives",
+        "max_velocity_reverse",
+        "min_position",
+        "max_position",
+    ];
+    assert_eq!(fields, expected);
+}
+
+#[test]
+fn ends_outside_the_limits() {
+    let ranged = LimitsSpec { min_position: Some(-1.0), max_position: Some(1.0), ..limits() };
+    check(
+        problem(State::at_rest(-2.0), State::at_rest(3.0), ranged),
+        &[
+            "start.position: is -2, beyond -1: begin inside the limit or raise limits.min_position",
+            "goal.position: is 3, beyond 1: end inside the limit or raise limits.max_position",
+        ],
+    );
+    let slow = LimitsSpec { feed_rate: Some(0.5), max_velocity_reverse: Some(0.25), ..limits() };
+    check(
+        problem(moving(0.0, 0.75), moving(1.0, 1.5), slow.clone()),
+        &[
+            "start.velocity: is 0.75, beyond 0.5: begin inside the limit or raise limits.feed_rate",
+            "goal.velocity: is 1.5, beyond 1: end inside the limit or raise limits.max_velocity",
+        ],
+    );
+    check(
+        problem(moving(0.0, -0.375), moving(-1.0, 0.0), slow),
+        &[
+            "start.velocity: is -0.375, beyond -0.25: begin inside the limit or raise limits.max_velocity_reverse",
+        ],
+    );
+    let one_way = LimitsSpec { max_velocity_reverse: Some(0.0), ..limits() };
+    check(
+        problem(State::at_rest(0.0), State::at_rest(-1.0), one_way),
+        &["goal.position: is -1, beyond 0: end inside the limit or raise limits.max_velocity_reverse"],
+    );
+}
+
+#[test]
+fn what_a_later_version_will_do() {
+    check(
+        problem(moving(0.0, -0.5), moving(1.0, -0.5), limits()),
+        &["start.velocity", "goal.velocity"].map(|end| {
+            format!(
+                "{end}: a velocity against the direction of travel is not implemented: begin and end with velocities \
+                 that point from the start to the goal"
+            )
+        })
+        .each_ref()
+        .map(String::as_str),
+    );
+    check(
+        problem(
+            State::at_rest(0.0),
+            State::at_rest(1.0),
+            LimitsSpec { max_deceleration: Some(1.0), ..limits() },
+        ),
+        &[
+            "limits.max_deceleration: a deceleration unlike the acceleration is not implemented: give max_deceleration \
+           the value of max_acceleration, or leave it out",
+        ],
+    );
+    let reverse = Problem::new(
+        moving(0.0, 0.5),
+        State::at_rest(1e-3),
+        limits().try_into().unwrap(),
+        ShortPathPolicy::Reverse,
+    );
+    check(
+        plan_move(&reverse.unwrap()),
+        &[
+            "goal.velocity: short_path_policy REVERSE on a path that is too short is not implemented: choose REJECT, \
+           NEAREST_VELOCITY or MATCH_START_VELOCITY",
+        ],
+    );
+    let accelerating = State { position: 0.0, velocity: 0.5, acceleration: 0.5 };
+    check(
+        plan_stop(accelerating, &limits().try_into().unwrap()),
+        &["a stop while accelerating is not implemented: stop from a constant speed"],
+    );
+    for family in [Family::Trapezoidal, Family::Polynomial, Family::Trigonometric] {
+        let spec = RequestSpec { family: Ok(family), ..request(vec![axis("x", State::at_rest(1.0))]) };
+        let refusal = Request::try_from(spec).unwrap_err();
+        assert_eq!(refusal.as_slice().len(), 1);
+        assert!(matches!(refusal.as_slice()[0].why, Why::NotImplemented { .. }), "{refusal}");
+    }
+}
+
+#[test]
+fn plans_that_are_too_large() {
+    check(Request::try_from(request(vec![])), &["axes: is empty: give at least one axis"]);
+    let many = (0..65).map(|index| axis(&format!("a{index}"), moving(f64::NAN, 0.0))).collect();
+    check(
+        Request::try_from(request(many)),
+        &["axes: has 65 axes: a plan takes at most 64, so split the request"],
+    );
+    let all = (0..64).map(|index| axis(&format!("a{index}"), State::at_rest(1.0))).collect();
+    assert_eq!(plan(&Request::try_from(request(all)).unwrap()).unwrap().axes().len(), 64);
+
+    let mut slow = axis("x", State::at_rest(1e20));
+    slow.limits.max_velocity = 0.5;
+    let slow = Request::try_from(request(vec![slow])).unwrap();
+    check(
+        plan(&slow),
+        &["axes: lasts 2e20 s, more cycles than can be counted: raise the limits or lengthen cycle_time"],
+    );
+    let nothing = Plan::new(Method::default(), vec![], CycleTime::MILLISECOND, vec![]);
+    check(nothing, &["axes: is empty: give at least one axis"]);
+}
+
+#[test]
+fn a_short_path_is_named_with_its_axis_and_its_sign() {
+    let spec = request(vec![AxisMoveSpec { start: moving(0.0, -0.5), ..axis("x", State::at_rest(-0.125)) }]);
+    // D(0.5, 0) = 0.25·2·√(1/6) = 0.204.
+    let refusal = plan(&Request::try_from(spec).unwrap()).unwrap_err();
+    let text = refusal.to_string();
+    assert!(text.starts_with("axes[0].goal.velocity: the path of -0.125 is too short"), "{text}");
+    assert!(text.contains("which needs -0.204124145"), "{text}");
+    let Why::PathTooShort { nearest_velocity, .. } = refusal.as_slice()[0].why else { panic!("{text}") };
+    assert!(nearest_velocity < 0.0 && nearest_velocity > -0.5, "{text}");
+}
