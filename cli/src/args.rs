@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
 use planner::{
     AxisKind, AxisMoveSpec, Family, LimitsSpec, RequestSpec, ShortPathPolicy, State, Synchronization,
@@ -73,6 +72,11 @@ pub(crate) enum Command {
 #[command(
     // `-0.05` is a number, never a flag.
     allow_negative_numbers = true,
+    override_usage = "\
+portamento plan --distance <U> --max-velocity <U/S>
+           --max-acceleration <U/S²> --max-jerk <U/S³> [OPTIONS]
+       portamento plan --request <FILE.json> [OPTIONS]
+       portamento plan --batch <FILE.jsonl> [OPTIONS]",
     after_help = "\
 Examples:
   50 mm, from rest to rest, with a plot and a file for verify and sample:
@@ -243,13 +247,13 @@ Examples:
   portamento explain")]
 pub(crate) struct ExplainArgs {
     /// The reason, as it stands in an error; all of them if not given.
-    #[arg(hide_possible_values = true, ignore_case = true, value_parser = reasons())]
+    #[arg(value_parser = reason)]
     pub(crate) reason: Option<Reason>,
 }
 
-fn reasons() -> impl clap::builder::TypedValueParser<Value = Reason> {
-    PossibleValuesParser::new(Reason::ALL.iter().map(|reason| reason.name()))
-        .try_map(|name| name.to_ascii_uppercase().parse::<Reason>())
+fn reason(name: &str) -> Result<Reason, String> {
+    let parsed = name.to_ascii_uppercase().parse();
+    parsed.map_err(|error: proto::UnknownReason| format!("{error}; `portamento explain` lists them"))
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

@@ -610,14 +610,12 @@ impl Canvas<'_, '_> {
         self.text(&title, (20.0, top + 0.5 * PANEL), &upright)?;
         for limit in panel.limits.iter().filter(|limit| panel.sees(limit)) {
             self.limit(limit, &axis)?;
+            self.limit_label(limit, &axis)?;
         }
         for series in &panel.series {
             let points: Vec<_> =
                 series.points.iter().map(|(time, value)| (self.time.x(*time), axis.y(*value))).collect();
             self.stroke(&points, series)?;
-        }
-        for limit in panel.limits.iter().filter(|limit| panel.sees(limit)) {
-            self.limit_label(limit, &axis)?;
         }
         let unseen = panel.unseen();
         if !unseen.is_empty() {
@@ -640,17 +638,12 @@ impl Canvas<'_, '_> {
         Ok(())
     }
 
-    /// Above an upper limit, below a lower one: outside, where its own curve is not. Others may be, so the ground is
-    /// white.
+    /// Above an upper limit, below a lower one: outside, where its own curve is not; of another axis one may be, and it
+    /// runs on over the label.
     fn limit_label(&self, limit: &Limit, axis: &ValueAxis) -> Result<(), Failure> {
-        const SIZE: f64 = 10.5;
         let text = format!("limit {}", signed(limit.value));
         let y = axis.y(limit.value) + if limit.value < 0.0 { 8.0 } else { -7.0 };
-        let width = 0.62 * SIZE * text.chars().count() as f64;
-        let ground = RGBColor(255, 255, 255).mix(0.75).filled();
-        let corners = [(RIGHT - 4.0 - width, y - 0.5 * SIZE), (RIGHT, y + 0.5 * SIZE)].map(fine);
-        self.area.draw(&Rectangle::new(corners, ground)).map_err(internal)?;
-        self.text(&text, (RIGHT - 2.0, y), &label(SIZE, limit.ink.color(), HPos::Right))
+        self.text(&text, (RIGHT - 2.0, y), &label(10.5, limit.ink.color(), HPos::Right))
     }
 
     fn stroke(&self, points: &[(f64, f64)], series: &Series) -> Result<(), Failure> {

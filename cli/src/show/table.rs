@@ -48,8 +48,13 @@ pub(crate) fn certificate(screen: &mut Screen<'_>, plan: &Plan, certificate: &Ce
         .write_all(fitted(|digits| limits_table(plan, certificate, digits)).render(paint).as_bytes())?;
     writeln!(screen.out)?;
     screen.out.write_all(ends_table(plan, certificate).render(paint).as_bytes())?;
-    for violation in certificate.violations() {
-        writeln!(screen.out, "{}", wrapped(&clean(&violation.to_string()), "  "))?;
+    // When is in the table for limits, and at the end for ends.
+    for join in certificate.joins.iter().filter(|join| !join.passed()) {
+        let unit = unit(kind_of(plan, &join.axis), join.quantity);
+        let (axis, quantity) = (clean(&join.axis), join.quantity);
+        let (jump, time) = (plain(join.worst_jump), plain(join.at_time));
+        let text = format!("The {quantity} of {axis} jumps by {jump} {unit} at {time} s.");
+        writeln!(screen.out, "{}", wrapped(&text, "  "))?;
     }
     Ok(())
 }
