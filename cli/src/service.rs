@@ -2,17 +2,14 @@
 
 use std::sync::Arc;
 
-use client::{Chunk, Client};
+use client::Client;
 use planner::{Accepted, Certificate, Judged, Plan, Request, RequestSpec};
-use proto::stream::Columns;
-use proto::{Against, Digest, Reason, Rejected};
+use proto::{Against, Chunk, Rejected, Sampling};
 use tokio::runtime::Runtime;
 use tokio::sync::Semaphore;
 
 use crate::failure::Failure;
 
-/// How many cycles are sampled at once.
-const CHUNK_CYCLES: u64 = 1000;
 /// How many requests wait for a server's answer at once.
 const IN_FLIGHT: usize = 256;
 
@@ -164,35 +161,5 @@ fn answer(spec: RequestSpec) -> Result<Judged, Rejected> {
 
 fn sample(plan: Plan, first_cycle: u64, cycles: u64, put: Put<'_, Chunk>) -> Result<(), Failure> {
     let accepted: Accepted = Judged::new(plan).accepted().map_err(Failure::refused)?;
-    let plan = accepted.plan();
-    let last_cycle = plan.cycle_count();
-    if first_cycle > last_cycle {
-        let message = format!("first_cycle {first_cycle} is past {last_cycle}, the last cycle of the plan");
-        let rejected = Rejected::new(Reason::ResumePastEnd, message);
-        return Err(Failure::refused(rejected.with("given", first_cycle).with("nearest", last_cycle)));
-    }
-    let end = match cycles {
-        0 => last_cycle + 1,
-        cycles => first_cycle.saturating_add(cycles).min(last_cycle + 1),
-    };
-    let mut sampler = plan.sampler();
-    // The digest is of every cycle from 1 on, wherever printing begins.
-    let mut digest = Digest::ZERO;
-    for cycle in 1..first_cycle {
-        digest = digest.then(cycle, sampler.at(cycle).map(|setpoint| setpoint.words()));
-    }
-    let mut next = first_cycle;
-    while next < end {
-        let chunk = next..end.min(next + CHUNK_CYCLES);
-        let mut columns = Columns::with_capacity((chunk.end - chunk.start) as usize, plan.axes().len());
-        for axis in 0..plan.axes().len() {
-            sampler.columns(axis, chunk.clone(), |setpoint| columns.push(setpoint));
-        }
-        for (index, cycle) in (0..columns.cycles()).zip(chunk.clone()).filter(|(_, cycle)| *cycle > 0) {
-            digest = digest.then(cycle, columns.cycle(index).map(|setpoint| setpoint.words()));
-        }
-        put(Chunk { first_cycle: next, columns, digest })?;
-        next = chunk.end;
-    }
-    Ok(())
+    Sampling::new(accepted, first_cycle, cycles).map_err(Failure::refused)?.try_for_each(put)
 }

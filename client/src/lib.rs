@@ -19,7 +19,7 @@ use planner::{Certificate, Judged, Plan, RequestSpec};
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::{Columns, Open};
-use proto::{Against, Digest, pb};
+use proto::{Against, Chunk, Digest, pb};
 use tonic::Streaming;
 use tonic::transport::{Channel, Endpoint};
 
@@ -147,17 +147,6 @@ impl Client {
 pub struct Samples {
     endpoint: String,
     incoming: Streaming<pb::SamplePlanResponse>,
-}
-
-/// Consecutive cycles of a plan.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Chunk {
-    /// The first of them.
-    pub first_cycle: u64,
-    /// The setpoints.
-    pub columns: Columns,
-    /// Of the plan's setpoints from cycle 1 through the last of the columns.
-    pub digest: Digest,
 }
 
 impl Samples {

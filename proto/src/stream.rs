@@ -3,7 +3,7 @@
 //! Time on a stream is the cycle index. Cycle 0 is the state in which the axis stands: executed and accepted, never sent,
 //! not in the digest.
 
-use planner::{Accepted, Setpoint};
+use planner::{Accepted, Plan, Setpoint};
 
 use crate::{Digest, Rejected};
 
@@ -174,6 +174,18 @@ impl Columns {
     pub fn with_capacity(cycles: usize, axes: usize) -> Self {
         let column = || Vec::with_capacity(cycles * axes);
         Self { cycles, position: column(), velocity: column(), acceleration: column(), jerk: column() }
+    }
+
+    /// The setpoints of `plan` at its cycles `cycles`.
+    #[must_use]
+    pub fn of_plan(plan: &Plan, cycles: std::ops::Range<u64>) -> Self {
+        let axes = plan.axes().len();
+        let mut columns = Self::with_capacity((cycles.end - cycles.start) as usize, axes);
+        let mut sampler = plan.sampler();
+        for axis in 0..axes {
+            sampler.columns(axis, cycles.clone(), |setpoint| columns.push(setpoint));
+        }
+        columns
     }
 
     /// Takes columns as they are. `None` where their lengths are not the same whole number of cycles.

@@ -83,8 +83,19 @@ impl Container {
         let publish = format!("127.0.0.1::{port}");
         let tagged = format!("portamento-{image}:{TAG}");
         let id = docker(&[
-            "run", "--detach", "--read-only", "--cap-drop", "ALL", "--network", &network.name, "--network-alias",
-            name, "--publish", &publish, &tagged, "--insecure",
+            "run",
+            "--detach",
+            "--read-only",
+            "--cap-drop",
+            "ALL",
+            "--network",
+            &network.name,
+            "--network-alias",
+            name,
+            "--publish",
+            &publish,
+            &tagged,
+            "--insecure",
         ]);
         let mut container = Self { id, port: 0 };
         container.wait_until_healthy();
@@ -111,7 +122,10 @@ impl Container {
         docker(&["inspect", "--format", "{{.State.ExitCode}}", &self.id])
     }
 
-    #[expect(clippy::disallowed_methods, reason = "the engine runs the health check on its own clock; nothing tells us")]
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "the engine runs the health check on its own clock; nothing tells us"
+    )]
     fn wait_until_healthy(&self) {
         for _ in 0..100 {
             let health =

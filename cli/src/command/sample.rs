@@ -1,7 +1,7 @@
 use std::fs::File;
 use std::io::Write as _;
 
-use client::Chunk;
+use proto::Chunk;
 use proto::Digest;
 
 use crate::args::SampleArgs;

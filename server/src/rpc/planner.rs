@@ -62,7 +62,7 @@ impl PlannerService for Planner {
         &self,
         request: Request<pb::SamplePlanRequest>,
     ) -> Result<Response<Self::SamplePlanStream>, Status> {
-        let sampling = sample::Sampling::new(request.into_inner(), self.max_sample_cycles)?;
-        Ok(Response::new(sampling.stream()))
+        let sampling = sample::sampling(request.into_inner(), self.max_sample_cycles)?;
+        Ok(Response::new(sample::stream(sampling)))
     }
 }

@@ -239,14 +239,8 @@ impl Session {
         }
         let end = self.end_cycle();
         let cycles = self.credit.next(self.batch_cycles, end)?;
-        let plan = self.motion.plan.plan();
-        let count = (cycles.end() - cycles.start() + 1) as usize;
-        let mut columns = Columns::with_capacity(count, plan.axes().len());
-        let mut sampler = plan.sampler();
         let of_plan = self.motion.plan_cycle(*cycles.start())..self.motion.plan_cycle(*cycles.end()) + 1;
-        for axis in 0..plan.axes().len() {
-            sampler.columns(axis, of_plan.clone(), |setpoint| columns.push(setpoint));
-        }
+        let columns = Columns::of_plan(self.motion.plan.plan(), of_plan);
         let before = self.ledger.last();
         let digest = columns.digests(*cycles.start(), before).last().unwrap_or(before);
         self.ledger.note(*cycles.end(), digest);
