@@ -38,9 +38,9 @@ pub struct Buffer {
 pub struct Standing<'a> {
     /// Under which epoch it opens.
     pub epoch: u64,
-    /// How far ahead it wants to hold setpoints [cycles].
+    /// How far ahead it wants to hold setpoints \[cycles\].
     pub lead_cycles: u32,
-    /// How far beyond the executed cycle a replacing batch begins [cycles].
+    /// How far beyond the executed cycle a replacing batch begins \[cycles\].
     pub axis_guard: u32,
     /// The plan that it opens with.
     pub plan: &'a Plan,

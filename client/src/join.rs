@@ -1,6 +1,6 @@
 use planner::{AxisPlan, Plan, Quantity, Setpoint};
 
-/// Relative slack on the bounds [1], for limits that are kept to 1e-9.
+/// Relative slack on the bounds \[1\], for limits that are kept to 1e-9.
 const SLACK: f64 = 1e-6;
 /// Units in the last place of the larger of two values that their difference may be off by.
 const ULPS: f64 = 4.0;

@@ -39,10 +39,10 @@ pub struct Client {
 
 /// How long a connection may take.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
-/// What a stream, and a connection, may hold unread [bytes]: larger than any lead, so that credit does the pacing.
+/// What a stream, and a connection, may hold unread \[bytes\]: larger than any lead, so that credit does the pacing.
 const STREAM_WINDOW: u32 = 4 << 20;
 const CONNECTION_WINDOW: u32 = 16 << 20;
-/// The largest message [bytes].
+/// The largest message \[bytes\].
 const MAX_MESSAGE: usize = 64 << 20;
 
 impl Client {

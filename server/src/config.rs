@@ -10,17 +10,17 @@ pub struct Config {
     pub served_by: Option<String>,
     /// Serve other machines without encryption?
     pub insecure: bool,
-    /// How long streams may take to end after the signal to stop [s].
+    /// How long streams may take to end after the signal to stop \[s\].
     pub drain_deadline: Duration,
     /// The most streams at a time.
     pub max_streams: usize,
-    /// The largest message, in either direction [bytes].
+    /// The largest message, in either direction \[bytes\].
     pub max_message_bytes: usize,
     /// The farthest cycle that `SamplePlan` gives: its digest is rolled from cycle 1.
     pub max_sample_cycles: u64,
-    /// What a stream may hold unread [bytes].
+    /// What a stream may hold unread \[bytes\].
     pub stream_window_bytes: u32,
-    /// What a connection may hold unread [bytes].
+    /// What a connection may hold unread \[bytes\].
     pub connection_window_bytes: u32,
 }
 

@@ -28,7 +28,7 @@ struct Args {
     /// Serve addresses that other machines reach, without encryption.
     #[arg(long, env = "PORTAMENTO_INSECURE")]
     insecure: bool,
-    /// How long streams may take to end after SIGTERM [s].
+    /// How long streams may take to end after SIGTERM \[s\].
     #[arg(long, env = "PORTAMENTO_DRAIN_DEADLINE", default_value_t = 10.0, value_name = "SECONDS")]
     drain_deadline: f64,
     /// The most streams at a time.

@@ -55,7 +55,7 @@ pub enum Output {
 /// How often a batch is sent again that the axis does not take, before the session gives up.
 const MOST_REFUSALS: u32 = 3;
 
-/// The largest batch [cycles], whatever the axis asks for: it bounds the size of a message.
+/// The largest batch \[cycles\], whatever the axis asks for: it bounds the size of a message.
 const LARGEST_BATCH: u64 = 1000;
 
 /// One open stream.
