@@ -1,5 +1,7 @@
 //! `portamento`, the command-line tool: exit codes and nothing else.
 
+#![allow(rustdoc::broken_intra_doc_links, reason = "units stand in square brackets in help texts")]
+
 mod args;
 mod command;
 mod failure;

@@ -1,5 +1,7 @@
 //! `portamento-server`: settings, then the server, then an exit code.
 
+#![allow(rustdoc::broken_intra_doc_links, reason = "units stand in square brackets in help texts")]
+
 use std::net::SocketAddr;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -28,7 +30,7 @@ struct Args {
     /// Serve addresses that other machines reach, without encryption.
     #[arg(long, env = "PORTAMENTO_INSECURE")]
     insecure: bool,
-    /// How long streams may take to end after SIGTERM \[s\].
+    /// How long streams may take to end after SIGTERM [s].
     #[arg(long, env = "PORTAMENTO_DRAIN_DEADLINE", default_value_t = 10.0, value_name = "SECONDS")]
     drain_deadline: f64,
     /// The most streams at a time.
