@@ -1,5 +1,7 @@
-//! A servo drive and the axis behind it, as physics: setpoints in, positions and efforts out.
+//! A servo drive and the axis behind it: setpoints in, positions and efforts out; and the runs in which such axes follow a
+//! stream.
 //!
+//! # The physics
 //! Start at [`Axis::step`], one cycle of one axis: read, decide, apply, observe. Then read in this order:
 //! - [`AxisModelSpec`], [`AxisModel`]: what an axis is made of, before and after it was checked
 //! - [`Quintic`]: what a drive makes of two setpoints, between them
@@ -8,8 +10,11 @@
 //! - [`Plant`]: motor, spring and load; the exact step over one substep
 //! - [`ReportCard`]: how well the axis followed, and how it came to rest
 //!
-//! Nothing here reads a clock, sleeps or allocates while it steps: the same setpoints give the same numbers,
+//! Nothing of this reads a clock, sleeps or allocates while it steps: the same setpoints give the same numbers,
 //! bit for bit, whether a cycle lasts a millisecond of wall clock or a microsecond of a test.
+//!
+//! # The runs
+//! - [`Player`]: several axes that play one stream, cycle by cycle; pure as well
 //!
 //! # Words and units
 //! *Substep*: the drive's own period [s], 50 to 100 µs; a cycle has a whole number of them. *Effort*: the
@@ -30,6 +35,7 @@ mod model;
 mod monitor;
 mod noise;
 mod plant;
+mod player;
 mod servo;
 mod vibration;
 
@@ -40,4 +46,5 @@ pub use interpolate::Quintic;
 pub use model::{AxisModel, AxisModelSpec, EncoderSpec, FrictionSpec, LoadSpec, MechanicsSpec, ServoSpec};
 pub use monitor::ReportCard;
 pub use plant::Plant;
+pub use player::{Beat, Player};
 pub use servo::{Decision, Memory, Servo};
