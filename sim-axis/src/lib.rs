@@ -15,6 +15,7 @@
 //!
 //! # The runs
 //! - [`Player`]: several axes that play one stream, cycle by cycle; pure as well
+//! - [`track`], [`Tracking`]: opens a stream and runs a player on a thread of its own, by the wall clock or in virtual time
 //!
 //! # Words and units
 //! *Substep*: the drive's own period [s], 50 to 100 µs; a cycle has a whole number of them. *Effort*: the
@@ -26,25 +27,37 @@
 
 mod audit;
 mod axis;
+mod clock;
+mod cycle_thread;
 mod delay;
 mod discretise;
 mod encoder;
 mod friction;
 mod interpolate;
+mod jitter;
 mod model;
 mod monitor;
 mod noise;
 mod plant;
 mod player;
+mod run;
+mod samples;
 mod servo;
 mod vibration;
 
 pub use audit::{InvalidField, InvalidModel};
 pub use axis::{Axis, AxisConfig, InvalidConfig, Observation};
+pub use clock::Clock;
 pub use encoder::{Encoder, Measured};
 pub use interpolate::Quintic;
+pub use jitter::{Jitter, Lateness};
 pub use model::{AxisModel, AxisModelSpec, EncoderSpec, FrictionSpec, LoadSpec, MechanicsSpec, ServoSpec};
 pub use monitor::ReportCard;
 pub use plant::Plant;
 pub use player::{Beat, Player};
+pub use run::{
+    DEFAULT_SETTLE_WINDOW, StreamReport, TrackError, TrackRequest, Tracking, TrackingReport, Update,
+    default_settle_tolerance, track,
+};
+pub use samples::Samples;
 pub use servo::{Decision, Memory, Servo};
