@@ -16,6 +16,7 @@
 //! # The runs
 //! - [`Player`]: several axes that play one stream, cycle by cycle; pure as well
 //! - [`track`], [`Tracking`]: opens a stream and runs a player on a thread of its own, by the wall clock or in virtual time
+//! - [`SimAxis`]: the same for callers over gRPC
 //!
 //! # Words and units
 //! *Substep*: the drive's own period [s], 50 to 100 µs; a cycle has a whole number of them. *Effort*: the
@@ -28,6 +29,7 @@
 mod audit;
 mod axis;
 mod clock;
+mod config;
 mod cycle_thread;
 mod delay;
 mod discretise;
@@ -36,28 +38,35 @@ mod friction;
 mod interpolate;
 mod jitter;
 mod model;
+mod models;
 mod monitor;
 mod noise;
 mod plant;
 mod player;
+mod rpc;
 mod run;
 mod samples;
+mod service;
 mod servo;
 mod vibration;
 
 pub use audit::{InvalidField, InvalidModel};
 pub use axis::{Axis, AxisConfig, InvalidConfig, Observation};
 pub use clock::Clock;
+pub use config::{Config, ConfigError};
 pub use encoder::{Encoder, Measured};
 pub use interpolate::Quintic;
 pub use jitter::{Jitter, Lateness};
 pub use model::{AxisModel, AxisModelSpec, EncoderSpec, FrictionSpec, LoadSpec, MechanicsSpec, ServoSpec};
+pub use models::{InvalidModels, Models};
 pub use monitor::ReportCard;
 pub use plant::Plant;
 pub use player::{Beat, Player};
+pub use rpc::{ModelFileError, models_from_json};
 pub use run::{
     DEFAULT_SETTLE_WINDOW, StreamReport, TrackError, TrackRequest, Tracking, TrackingReport, Update,
     default_settle_tolerance, track,
 };
 pub use samples::Samples;
+pub use service::{SimAxis, SimAxisError};
 pub use servo::{Decision, Memory, Servo};
