@@ -8,7 +8,7 @@ use planner::{
 };
 use proto::Reason;
 
-/// Smooth, jerk-limited motion for machine axes: plans it, proves it, samples it.
+/// Smooth, jerk-limited motion for machine axes: plans it, proves it, streams it.
 ///
 /// Units are SI: metres (or radians, or pulses, by the kind of the axis) and seconds.
 /// JSON in and out is the proto3 mapping of the messages in motion/v1/*.proto.
@@ -21,10 +21,12 @@ use proto::Reason;
     subcommand_required = true,
     after_help = "\
 Examples:
+  portamento demo
   portamento plan --distance 0.05 --max-velocity 0.25 --max-acceleration 3 \\
       --max-jerk 100 --plot move.svg --output move.json
   portamento verify --plan move.json
   portamento sample --plan move.json --output move.csv
+  portamento track --plan move.json --endpoint http://127.0.0.1:50052
   portamento explain PATH_TOO_SHORT
 
 Exit codes:
@@ -59,9 +61,11 @@ pub(crate) struct Global {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    Demo(DemoArgs),
     Plan(Box<PlanArgs>),
     Verify(VerifyArgs),
     Sample(SampleArgs),
+    Track(TrackArgs),
     Explain(ExplainArgs),
 }
 
@@ -237,6 +241,62 @@ pub(crate) struct PlanSource {
     /// The plan: a Plan (from plan --output) or a PlanResponse (from plan --json), in JSON; '-' reads standard input.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) plan: PathBuf,
+}
+
+/// Watch a move: a server, an axis with a spring in it and a move of 50 mm, all in this process.
+///
+/// The plan goes over gRPC to the axis, which plays it in real time at one setpoint a millisecond from its own buffer.
+/// Prints the plan and how the axis followed it, and draws both.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  portamento demo
+  portamento demo --plot /tmp/demo.svg
+  portamento demo --virtual-time --json")]
+pub(crate) struct DemoArgs {
+    /// Where to draw s, v, a and j, commanded against measured.
+    #[arg(long, value_name = "FILE.svg", default_value = "portamento-demo.svg")]
+    pub(crate) plot: PathBuf,
+    /// As fast as it computes, instead of one cycle a millisecond; the numbers are the same.
+    #[arg(long)]
+    pub(crate) virtual_time: bool,
+}
+
+/// Have a running axis simulator follow a plan, and show how well it did.
+///
+/// The axis opens a stream at a planner, plays the plan from its own buffer and reports: following error, overshoot,
+/// settling, residual vibration, and how the stream went.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  portamento-server & portamento-sim-axis &
+  portamento track --plan move.json --endpoint http://127.0.0.1:50052
+  portamento track --plan move.json --endpoint http://127.0.0.1:50052 \\
+      --planner http://10.0.0.7:50051 --virtual-time --plot track.svg")]
+pub(crate) struct TrackArgs {
+    #[command(flatten)]
+    pub(crate) source: PlanSource,
+    /// The planner that the axis is to stream from, as the axis reaches it; several are tried in order.
+    #[arg(long, value_name = "URL", default_value = "http://127.0.0.1:50051")]
+    pub(crate) planner: Vec<String>,
+    /// Name of the stream to open.
+    #[arg(long, value_name = "NAME", default_value = "portamento-track")]
+    pub(crate) stream: String,
+    /// How far ahead the axis holds setpoints, in cycles: what a stall of server or network may take.
+    #[arg(long, value_name = "CYCLES", default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..=4000))]
+    pub(crate) lead: u32,
+    /// As fast as it computes, instead of one cycle a millisecond; the numbers are the same.
+    #[arg(long)]
+    pub(crate) virtual_time: bool,
+    /// How long to watch the axis after its last setpoint, with its unit, as 500ms; 500ms if not given.
+    #[arg(long, value_name = "TIME", value_parser = nanoseconds)]
+    pub(crate) settle_window: Option<i128>,
+    /// How near to the goal counts as settled [u]; 10 um, 10 urad or one pulse if not given.
+    #[arg(long, value_name = "U")]
+    pub(crate) settle_tolerance: Option<f64>,
+    /// Draw s, v, a and j of the axis, commanded against measured; of the first axis, where there are several.
+    #[arg(long, value_name = "FILE.svg")]
+    pub(crate) plot: Option<PathBuf>,
 }
 
 /// Say what the reason of a refusal means, and what to do about it.

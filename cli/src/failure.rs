@@ -84,6 +84,15 @@ impl From<client::Error> for Failure {
     }
 }
 
+impl From<sim_axis::TrackError> for Failure {
+    fn from(error: sim_axis::TrackError) -> Self {
+        match error {
+            sim_axis::TrackError::NotOpened(cause) => cause.into(),
+            other => Self::Internal(other.to_string()),
+        }
+    }
+}
+
 impl From<JsonError> for Failure {
     fn from(error: JsonError) -> Self {
         Self::Internal(error.to_string())

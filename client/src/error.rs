@@ -24,8 +24,9 @@ pub enum Error {
 }
 
 impl Error {
-    /// What a failed call means.
-    pub(crate) fn from_status(endpoint: &str, status: &Status) -> Self {
+    /// What a failed call to `endpoint` means.
+    #[must_use]
+    pub fn from_status(endpoint: &str, status: &Status) -> Self {
         if let Some(rejected) = Rejected::from_status(status) {
             return Self::Rejected(Box::new(rejected));
         }
@@ -38,7 +39,8 @@ impl Error {
     }
 
     /// Nobody answers at `endpoint`.
-    pub(crate) fn unreachable(endpoint: &str, error: &(dyn std::error::Error + 'static)) -> Self {
+    #[must_use]
+    pub fn unreachable(endpoint: &str, error: &(dyn std::error::Error + 'static)) -> Self {
         let cause = proto::unreachable(error).message().to_owned();
         Self::Unreachable { endpoint: endpoint.into(), cause }
     }

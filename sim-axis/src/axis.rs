@@ -311,7 +311,7 @@ const DIVISION_SLACK: f64 = 1e-9;
 /// Slowest cycle [s]: slower ones are way points, not setpoints.
 const MOST_CYCLE: f64 = 1.0;
 /// Longest settle window [s]: a million positions at the fastest cycle.
-const MOST_SETTLE_WINDOW: f64 = 60.0;
+pub(crate) const MOST_SETTLE_WINDOW: f64 = 60.0;
 
 #[cfg(test)]
 mod tests {

@@ -1,5 +1,7 @@
-//! A servo drive and the axis behind it, as physics: setpoints in, positions and efforts out.
+//! A servo drive and the axis behind it: setpoints in, positions and efforts out; and the runs in which such axes follow a
+//! stream.
 //!
+//! # The physics
 //! Start at [`Axis::step`], one cycle of one axis: read, decide, apply, observe. Then read in this order:
 //! - [`AxisModelSpec`], [`AxisModel`]: what an axis is made of, before and after it was checked
 //! - [`Quintic`]: what a drive makes of two setpoints, between them
@@ -8,8 +10,13 @@
 //! - [`Plant`]: motor, spring and load; the exact step over one substep
 //! - [`ReportCard`]: how well the axis followed, and how it came to rest
 //!
-//! Nothing here reads a clock, sleeps or allocates while it steps: the same setpoints give the same numbers,
+//! Nothing of this reads a clock, sleeps or allocates while it steps: the same setpoints give the same numbers,
 //! bit for bit, whether a cycle lasts a millisecond of wall clock or a microsecond of a test.
+//!
+//! # The runs
+//! - [`Player`]: several axes that play one stream, cycle by cycle; pure as well
+//! - [`track`], [`Tracking`]: opens a stream and runs a player on a thread of its own, by the wall clock or in virtual time
+//! - [`SimAxis`]: the same for callers over gRPC
 //!
 //! # Words and units
 //! *Substep*: the drive's own period [s], 50 to 100 µs; a cycle has a whole number of them. *Effort*: the
@@ -21,23 +28,45 @@
 
 mod audit;
 mod axis;
+mod clock;
+mod config;
+mod cycle_thread;
 mod delay;
 mod discretise;
 mod encoder;
 mod friction;
 mod interpolate;
+mod jitter;
 mod model;
+mod models;
 mod monitor;
 mod noise;
 mod plant;
+mod player;
+mod rpc;
+mod run;
+mod samples;
+mod service;
 mod servo;
 mod vibration;
 
 pub use audit::{InvalidField, InvalidModel};
 pub use axis::{Axis, AxisConfig, InvalidConfig, Observation};
+pub use clock::Clock;
+pub use config::{Config, ConfigError};
 pub use encoder::{Encoder, Measured};
 pub use interpolate::Quintic;
+pub use jitter::{Jitter, Lateness};
 pub use model::{AxisModel, AxisModelSpec, EncoderSpec, FrictionSpec, LoadSpec, MechanicsSpec, ServoSpec};
+pub use models::{InvalidModels, Models};
 pub use monitor::ReportCard;
 pub use plant::Plant;
+pub use player::{Beat, Player};
+pub use rpc::{ModelFileError, RemoteAxis, RemoteRun, models_from_json};
+pub use run::{
+    DEFAULT_SETTLE_WINDOW, StreamReport, TrackError, TrackRequest, Tracking, TrackingReport, Update,
+    default_settle_tolerance, track,
+};
+pub use samples::Samples;
+pub use service::{SimAxis, SimAxisError};
 pub use servo::{Decision, Memory, Servo};

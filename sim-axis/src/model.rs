@@ -234,6 +234,12 @@ impl AxisModel {
         &self.0.axis
     }
 
+    /// The same axis under another name.
+    #[must_use]
+    pub fn renamed(&self, axis: impl Into<String>) -> Self {
+        Self(AxisModelSpec { axis: axis.into(), ..self.0.clone() })
+    }
+
     /// The model in numbers, with every default filled in (the substep apart: 0 waits for the cycle).
     #[must_use]
     pub fn spec(&self) -> &AxisModelSpec {

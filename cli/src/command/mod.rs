@@ -1,8 +1,10 @@
 //! One file for each subcommand.
 
+mod demo;
 mod explain;
 mod plan;
 mod sample;
+mod track;
 mod verify;
 
 use std::io::{self, BufWriter};
@@ -24,9 +26,11 @@ pub(crate) fn run() -> u8 {
     let mut screen = Screen { out: &mut out, notes: &mut notes, paint, notes_paint, json };
     let endpoint = global.endpoint.as_deref();
     let done = match &command {
+        Command::Demo(args) => demo::run(args, &mut screen),
         Command::Plan(args) => plan::run(args, endpoint, &mut screen),
         Command::Verify(args) => verify::run(args, endpoint, &mut screen),
         Command::Sample(args) => sample::run(args, endpoint, &mut screen),
+        Command::Track(args) => track::run(args, endpoint, &mut screen),
         Command::Explain(args) => explain::run(args, &mut screen),
     };
     let done = done.and_then(|()| screen.out.flush().map_err(Failure::from));

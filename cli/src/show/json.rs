@@ -3,6 +3,7 @@
 use planner::{Certificate, Judged};
 use proto::stream::Columns;
 use proto::{Digest, JsonError, Rejected, pb};
+use sim_axis::TrackingReport;
 
 /// A `PlanResponse`.
 pub(crate) fn plan_response(judged: &Judged) -> Result<String, JsonError> {
@@ -27,6 +28,11 @@ pub(crate) fn sample_response(
 ) -> Result<String, JsonError> {
     let columns = Some(columns.into());
     proto::to_json(&pb::SamplePlanResponse { first_cycle, columns, digest: digest.into() })
+}
+
+/// A `TrackingReport`.
+pub(crate) fn tracking_report(report: &TrackingReport) -> Result<serde_json::Value, JsonError> {
+    proto::to_json_value(&pb::TrackingReport::from(report.clone()))
 }
 
 /// `{"error": …}`

@@ -5,4 +5,6 @@ pub(crate) mod json;
 pub(crate) mod number;
 pub(crate) mod paint;
 pub(crate) mod plot;
+pub(crate) mod report;
 pub(crate) mod table;
+pub(crate) mod watch;

@@ -213,7 +213,6 @@ pub(crate) struct Tracked {
 
 /// Commanded against measured position and velocity, and the following error, above what `plan` says of acceleration
 /// and jerk.
-#[cfg_attr(not(test), expect(dead_code, reason = "what tracks an axis draws it with this"))]
 pub(crate) fn of_tracking(plan: &Plan, tracked: &Tracked) -> Figure {
     let Tracked { axis, unit, times, .. } = tracked;
     let pairs =

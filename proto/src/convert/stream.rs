@@ -55,10 +55,7 @@ pub fn response_from_wire(wire: pb::StreamSetpointsResponse) -> Result<(u64, ToA
             ToAxis::Revised(Box::new(Revised { motion: motion_from_wire(motion)? }))
         }
         Some(Response::Batch(batch)) => ToAxis::Batch(batch_from_wire(batch)?),
-        Some(Response::Event(pb::StreamEvent { kind, at_cycle })) => {
-            let kind = event_from_wire(kind).map_err(|why| of_field("event.kind", why))?;
-            ToAxis::Event(StreamEvent { kind, at_cycle })
-        }
+        Some(Response::Event(event)) => ToAxis::Event(event.try_into()?),
         Some(Response::Refusal(pb::OperationRefusal { request_id, status })) => {
             let unreadable = || Rejected::new(Reason::NotImplemented, "a refusal that cannot be read");
             let rejected = Rejected::from_bytes(&status).unwrap_or_else(unreadable);
@@ -88,9 +85,7 @@ pub fn response_to_wire(epoch: u64, response: ToAxis) -> pb::StreamSetpointsResp
             Response::Revised(pb::MotionRevised { motion: Some(motion_to_wire(&motion)), certificate })
         }
         ToAxis::Batch(batch) => Response::Batch(batch_to_wire(batch)),
-        ToAxis::Event(StreamEvent { kind, at_cycle }) => {
-            Response::Event(pb::StreamEvent { kind: event_to_wire(kind), at_cycle })
-        }
+        ToAxis::Event(event) => Response::Event(event.into()),
         ToAxis::Refusal(OperationRefusal { request_id, rejected }) => {
             Response::Refusal(pb::OperationRefusal { request_id, status: rejected.to_bytes() })
         }
@@ -333,6 +328,23 @@ fn refused_from_wire(wire: pb::Refused) -> Result<Refused, Rejected> {
     let reason =
         reason.ok_or_else(|| of_field("report.refused.reason", Why::UnknownName { given, choices }))?;
     Ok(Refused { revision, first_cycle, reason })
+}
+
+impl TryFrom<pb::StreamEvent> for StreamEvent {
+    type Error = Rejected;
+
+    fn try_from(wire: pb::StreamEvent) -> Result<Self, Rejected> {
+        let pb::StreamEvent { kind, at_cycle } = wire;
+        let kind = event_from_wire(kind).map_err(|why| of_field("event.kind", why))?;
+        Ok(Self { kind, at_cycle })
+    }
+}
+
+impl From<StreamEvent> for pb::StreamEvent {
+    fn from(event: StreamEvent) -> Self {
+        let StreamEvent { kind, at_cycle } = event;
+        Self { kind: event_to_wire(kind), at_cycle }
+    }
 }
 
 impl From<pb::TrackingColumns> for Tracking {

@@ -1,0 +1,136 @@
+use std::path::Path;
+
+use client::Client;
+use planner::{
+    Accepted, AxisKind, AxisMoveSpec, Family, Judged, LimitsSpec, RequestSpec, ShortPathPolicy, State,
+    Synchronization,
+};
+use proto::Digest;
+use serde_json::json;
+use server::Server;
+use sim_axis::{AxisModel, Clock, TrackRequest, Tracking, TrackingReport};
+use tokio::sync::oneshot;
+
+use crate::args::DemoArgs;
+use crate::failure::Failure;
+use crate::show::paint::Screen;
+use crate::show::plot::{self, Tracked};
+use crate::show::watch::Watch;
+use crate::show::{json as messages, report, table};
+
+/// How far ahead the demo's axis holds setpoints [cycles]: the machine may be busy with something else.
+const LEAD_CYCLES: u32 = 100;
+
+/// What the demo found.
+struct Outcome {
+    report: TrackingReport,
+    /// What the plan says that the digest is.
+    undisturbed: Digest,
+    tracked: Tracked,
+}
+
+/// `portamento demo`
+pub(crate) fn run(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(), Failure> {
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build();
+    let runtime = runtime.map_err(|error| Failure::Internal(error.to_string()))?;
+    let (judged, outcome) = runtime.block_on(play(args, screen))?;
+    draw(&args.plot, &judged, &outcome.tracked)?;
+    let Outcome { report, undisturbed, .. } = outcome;
+    if screen.json {
+        let answer = json!({
+            "report": messages::tracking_report(&report)?,
+            "failovers": report.stream.failovers,
+            "digest": u64::from(report.stream.digest).to_string(),
+            "undisturbedDigest": u64::from(undisturbed).to_string(),
+        });
+        writeln!(screen.out, "{answer}")?;
+    } else {
+        report::tracking(screen, judged.plan(), &report)?;
+        let same = if report.stream.digest == undisturbed {
+            screen.paint.good("the digest is that of the plan: not a bit was lost")
+        } else {
+            screen.paint.bad(&format!("the digest of the plan is {undisturbed}"))
+        };
+        writeln!(screen.out, "  {same}")?;
+        writeln!(screen.out, "\nDrawn in {}.", args.plot.display())?;
+    }
+    if report.stream.digest == undisturbed { Ok(()) } else { Err(Failure::NotPassed) }
+}
+
+/// A server on any free port of this machine, an axis, and a move from one to the other.
+async fn play(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(Judged, Outcome), Failure> {
+    let internal = |error: &dyn std::error::Error| Failure::Internal(error.to_string());
+    let server = Server::bind(server::Config::loopback()).await.map_err(|error| internal(&error))?;
+    let endpoint = format!("http://{}", server.address());
+    let (stop, stopped) = oneshot::channel::<()>();
+    let serving = tokio::spawn(server.run(async {
+        // Dropped is stopped too.
+        let _ = stopped.await;
+    }));
+
+    let client = Client::connect(&endpoint).await?;
+    let judged = client.plan(fifty_millimetres()).await?;
+    let undisturbed = client.digest(&judged).await?;
+    if !screen.json {
+        table::plan(screen, &judged)?;
+        writeln!(screen.out)?;
+        screen.out.flush()?;
+    }
+    let accepted = judged.clone().accepted().map_err(Failure::refused)?;
+    let (report, tracked) = follow(args, &endpoint, accepted).await?;
+
+    // Without connections left the server stops at once; how it ends does not matter to the answer.
+    drop((client, stop));
+    let _ = serving.await;
+    Ok((judged, Outcome { report, undisturbed, tracked }))
+}
+
+async fn follow(
+    args: &DemoArgs,
+    endpoint: &str,
+    plan: Accepted,
+) -> Result<(TrackingReport, Tracked), Failure> {
+    let clock = if args.virtual_time { Clock::Virtual } else { Clock::Wall };
+    let request = TrackRequest {
+        models: vec![AxisModel::flexible("x")],
+        clock,
+        lead_cycles: LEAD_CYCLES,
+        ..TrackRequest::new("demo/x", endpoint, plan.clone())
+    };
+    let mut watch = Watch::new(plan.plan(), request.settle_window, true);
+    let mut tracking = Tracking::begin(request).await?;
+    while let Some(update) = tracking.next().await {
+        watch.see(update);
+    }
+    let tracked = watch.finish().unwrap_or_default();
+    Ok((tracking.finish().await?, tracked))
+}
+
+/// The move of Blejan and Blejan's first example: 50 mm within 0.25 m/s, 3 m/s² and 100 m/s³.
+fn fifty_millimetres() -> RequestSpec {
+    let limits =
+        LimitsSpec { max_velocity: 0.25, max_acceleration: 3.0, max_jerk: 100.0, ..LimitsSpec::default() };
+    let axis = AxisMoveSpec {
+        axis: "x".into(),
+        kind: Ok(AxisKind::Prismatic),
+        start: State::at_rest(0.0),
+        goal: State::at_rest(0.05),
+        limits,
+    };
+    RequestSpec {
+        axes: vec![axis],
+        cycle_time_ns: None,
+        family: Ok(Family::SCurve),
+        order: None,
+        short_path: Ok(ShortPathPolicy::Reject),
+        synchronization: Ok(Synchronization::None),
+        minimum_duration: None,
+        end_on_cycle: false,
+    }
+}
+
+/// Draws what was commanded and what was measured.
+pub(super) fn draw(path: &Path, judged: &Judged, tracked: &Tracked) -> Result<(), Failure> {
+    let svg = plot::svg(&plot::of_tracking(judged.plan(), tracked))?;
+    std::fs::write(path, svg).map_err(Failure::unwritable(path))
+}

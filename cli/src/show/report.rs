@@ -1,0 +1,134 @@
+//! How well axes followed, as a table.
+
+use std::io;
+
+use planner::{AxisKind, Plan, Quantity};
+use sim_axis::{ReportCard, StreamReport, TrackingReport};
+
+use crate::show::number::{plain, unit};
+use crate::show::paint::{Screen, clean};
+
+/// What is written before a value [characters].
+const LABEL: usize = 24;
+
+/// The report of a run.
+pub(crate) fn tracking(screen: &mut Screen<'_>, plan: &Plan, report: &TrackingReport) -> io::Result<()> {
+    let TrackingReport { axes, stream } = report;
+    for card in axes {
+        let kind = plan.axes().iter().find(|axis| axis.axis == card.axis).map(|axis| axis.kind);
+        axis(screen, card, kind.unwrap_or(AxisKind::Prismatic))?;
+        writeln!(screen.out)?;
+    }
+    stream_report(screen, plan, stream)
+}
+
+fn axis(screen: &mut Screen<'_>, card: &ReportCard, kind: AxisKind) -> io::Result<()> {
+    let ReportCard {
+        axis,
+        max_following_error,
+        max_following_error_time,
+        rms_following_error,
+        overshoot,
+        settling_time,
+        residual_vibration_amplitude,
+        residual_vibration_frequency,
+        max_effort,
+        effort_saturated_time,
+    } = card;
+    let length = |value: f64| in_small(value, kind);
+    let effort = match kind {
+        AxisKind::Revolute => "N m",
+        AxisKind::Prismatic | AxisKind::Pulses => "N",
+    };
+    let settled = match settling_time {
+        Some(0.0) => "at once".to_owned(),
+        Some(time) => format!("{} ms after the last setpoint", plain(time * 1e3)),
+        None => "not within the window".to_owned(),
+    };
+    let vibration = match residual_vibration_frequency {
+        Some(frequency) => {
+            format!("{} at {} Hz", length(*residual_vibration_amplitude), plain(round(*frequency)))
+        }
+        None => format!("{}, no swing stands out", length(*residual_vibration_amplitude)),
+    };
+    let saturated = match *effort_saturated_time {
+        0.0 => "never at its limit".to_owned(),
+        time => format!("at its limit for {} s", plain(time)),
+    };
+    writeln!(screen.out, "{}", screen.paint.heading(&format!("Axis {} followed", clean(axis))))?;
+    let rows = [
+        (
+            "following error, most",
+            format!("{} at {} s", length(*max_following_error), plain(round(*max_following_error_time))),
+        ),
+        ("following error, RMS", length(*rms_following_error)),
+        ("overshoot of the load", length(*overshoot)),
+        ("settled", settled),
+        ("residual vibration", vibration),
+        ("effort, most", format!("{} {effort}, {saturated}", plain(round(*max_effort)))),
+    ];
+    write_rows(screen, &rows)
+}
+
+fn stream_report(screen: &mut Screen<'_>, plan: &Plan, stream: &StreamReport) -> io::Result<()> {
+    let StreamReport { cycles_executed, counters, failovers, jitter, digest, stop_tail_used } = stream;
+    let underruns = match counters.underruns {
+        0 => screen.paint.good("no underrun"),
+        1 => screen.paint.bad("1 underrun"),
+        more => screen.paint.bad(&format!("{more} underruns")),
+    };
+    let microseconds = |seconds: f64| plain(round(seconds * 1e6));
+    let tail = if *stop_tail_used { ", a stop tail was played" } else { "" };
+    let rows = [
+        ("cycles executed", format!("{cycles_executed} of {}, {underruns}", plan.cycle_count())),
+        (
+            "least lead",
+            format!(
+                "{} cycles; {} began late and were made up for",
+                counters.least_lead_cycles, counters.late_cycles
+            ),
+        ),
+        (
+            "cycle jitter",
+            format!(
+                "median {}, 99 % {}, most {} µs",
+                microseconds(jitter.p50),
+                microseconds(jitter.p99),
+                microseconds(jitter.max)
+            ),
+        ),
+        (
+            "batches",
+            format!(
+                "{} refused, {} cycles came twice, {} of an epoch that was over",
+                counters.refused_batches, counters.duplicate_cycles, counters.stale_epochs
+            ),
+        ),
+        ("fail-overs", format!("{failovers}{tail}")),
+        ("digest", format!("{digest}")),
+    ];
+    writeln!(screen.out, "{}", screen.paint.heading("The stream"))?;
+    write_rows(screen, &rows)
+}
+
+fn write_rows(screen: &mut Screen<'_>, rows: &[(&str, String)]) -> io::Result<()> {
+    for (label, value) in rows {
+        writeln!(screen.out, "  {label:LABEL$}{value}")?;
+    }
+    Ok(())
+}
+
+/// A small length in the unit in which people say it.
+fn in_small(value: f64, kind: AxisKind) -> String {
+    let (scale, unit) = match kind {
+        AxisKind::Prismatic => (1e6, "µm".to_owned()),
+        AxisKind::Revolute => (1e6, "µrad".to_owned()),
+        AxisKind::Pulses => (1.0, unit(kind, Quantity::Position)),
+    };
+    format!("{} {unit}", plain(round(value * scale)))
+}
+
+/// To four significant digits: what a measurement is worth.
+fn round(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}

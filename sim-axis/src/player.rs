@@ -1,0 +1,290 @@
+use client::Buffer;
+use planner::Setpoint;
+use proto::Digest;
+use proto::stream::{Batch, Refused, Report};
+
+use crate::axis::{Axis, Observation};
+use crate::monitor::ReportCard;
+
+/// Several axes that play one stream: everything that a run does, except waiting.
+///
+/// One [`cycle`](Self::cycle) after the other is a run; whoever calls it is the clock. It allocates nothing, waits for
+/// nothing and knows no time, so that a thread with deadlines, a thread that hurries and a test in a `for` get the same
+/// numbers, bit for bit.
+///
+/// ```text
+///            the lead is full, or the last
+///              cycle is held                     the last cycle was played, or
+///  ●─► WAITING ─────────────────────► PLAYING ──── the stream is closed and ────► SETTLING ── window ──► OVER
+///         │                          ⟲ starved:       nothing is held                                    ▲
+///         │                            counted, held                                                     │
+///         └── closed before it began ────────────────────────────────────────────────────────────────────┘
+/// ```
+///
+/// # Starvation
+/// A cycle that is due and not held is an underrun: it is counted, and the axis is held where the last setpoint was, at
+/// velocity 0, for that cycle. The number of the cycle stays due; play goes on with it as soon as it is held, so that the
+/// motion is late and never cut short. Nothing is extrapolated. A hold asks for any deceleration, which a simulated axis
+/// survives and its following error shows; a real one needs a stop that was planned.
+#[derive(Clone, Debug)]
+pub struct Player {
+    buffer: Buffer,
+    axes: Vec<Axis>,
+    setpoints: Vec<Setpoint>,
+    observations: Vec<Observation>,
+    batch_cycles: u64,
+    motion_end: u64,
+    phase: Phase,
+    /// Nothing more will come.
+    closed: bool,
+    /// The last setpoint of the motion was given.
+    watches_rest: bool,
+    rested: u64,
+    digest: Digest,
+    reported: u64,
+    refused: Option<Place>,
+}
+
+/// What one cycle did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beat {
+    /// Nothing, since execution has not begun.
+    Waited,
+    /// The servo was given the next setpoint.
+    Played,
+    /// The next setpoint was due and not held.
+    Starved,
+    /// The axis stood still in the settle window.
+    Rested,
+    /// Nothing, since the run is over.
+    Over,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Waiting,
+    Playing,
+    Settling,
+    Over,
+}
+
+/// Where a batch was refused.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    accepted: u64,
+    first_cycle: u64,
+}
+
+impl Player {
+    /// `axes` in plan order, for a motion whose last cycle is `motion_end`; reports every `batch_cycles`.
+    #[must_use]
+    pub fn new(buffer: Buffer, axes: Vec<Axis>, motion_end: u64, batch_cycles: u64) -> Self {
+        Self {
+            buffer,
+            setpoints: vec![Setpoint::default(); axes.len()],
+            observations: vec![Observation::default(); axes.len()],
+            axes,
+            batch_cycles: batch_cycles.max(1),
+            motion_end,
+            phase: Phase::Waiting,
+            closed: false,
+            watches_rest: false,
+            rested: 0,
+            digest: Digest::ZERO,
+            reported: 0,
+            refused: None,
+        }
+    }
+
+    /// Takes a batch by the accept rule, and gives the report that is due at once if it cannot be taken.
+    ///
+    /// Of several batches of one sending, the first that is refused is reported: those behind it are refused too, for the
+    /// gap that it left, and are counted.
+    pub fn accept(&mut self, epoch: u64, batch: &Batch) -> Option<Report> {
+        let refused = self.buffer.accept(epoch, batch).err()?;
+        let Refused { first_cycle, .. } = refused;
+        let accepted = self.buffer.accepted();
+        let is_behind =
+            self.refused.is_some_and(|last| last.accepted == accepted && first_cycle > last.first_cycle);
+        self.refused = Some(Place { accepted, first_cycle });
+        (!is_behind).then(|| self.buffer.report(Some(refused)))
+    }
+
+    /// Nothing more will come: what is held is played, then the axis rests.
+    pub fn close(&mut self) {
+        self.closed = true;
+    }
+
+    /// One cycle of all axes: take the setpoint, step, observe.
+    pub fn cycle(&mut self) -> Beat {
+        if self.phase == Phase::Waiting {
+            self.begin();
+        }
+        match self.phase {
+            Phase::Waiting => Beat::Waited,
+            Phase::Playing => self.play(),
+            Phase::Settling => self.rest(),
+            Phase::Over => Beat::Over,
+        }
+    }
+
+    /// Would a cycle now come too early: has execution not begun, or is what it needs not held yet?
+    #[must_use]
+    pub fn is_short_of_data(&self) -> bool {
+        match self.phase {
+            Phase::Waiting => !self.buffer.is_ready() && !self.closed,
+            Phase::Playing => self.buffer.held() == 0 && !self.closed,
+            Phase::Settling | Phase::Over => false,
+        }
+    }
+
+    /// Has execution not begun?
+    #[must_use]
+    pub fn is_waiting(&self) -> bool {
+        self.phase == Phase::Waiting
+    }
+
+    /// Is there nothing more to do?
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.phase == Phase::Over
+    }
+
+    /// Was the motion played to its last cycle?
+    #[must_use]
+    pub fn has_arrived(&self) -> bool {
+        self.buffer.executed() >= self.motion_end
+    }
+
+    /// The number of the last cycle, counted on while the axis settles.
+    #[must_use]
+    pub fn cycle_number(&self) -> u64 {
+        self.buffer.executed() + self.rested
+    }
+
+    /// What the servos were last given, in plan order.
+    #[must_use]
+    pub fn setpoints(&self) -> &[Setpoint] {
+        &self.setpoints
+    }
+
+    /// What the axes did with it, in plan order.
+    #[must_use]
+    pub fn observations(&self) -> &[Observation] {
+        &self.observations
+    }
+
+    /// What is held, and how the stream has gone.
+    #[must_use]
+    pub fn buffer(&self) -> &Buffer {
+        &self.buffer
+    }
+
+    /// The digest of the motion as far as it was played; cycles at rest after it are not in it.
+    #[must_use]
+    pub fn digest(&self) -> Digest {
+        self.digest
+    }
+
+    /// How each axis has done. Takes milliseconds: not for a control cycle.
+    #[must_use]
+    pub fn report_cards(&self) -> Vec<ReportCard> {
+        self.axes.iter().map(Axis::report).collect()
+    }
+
+    /// The report to the server, when a batch has been executed since the last one.
+    pub fn report_due(&mut self) -> Option<Report> {
+        let executed = self.buffer.executed();
+        let is_due = executed >= self.reported + self.batch_cycles
+            || (self.buffer.is_finished() && executed > self.reported);
+        if is_due {
+            self.reported = executed;
+        }
+        is_due.then(|| self.buffer.report(None))
+    }
+
+    /// Counts a cycle that began late.
+    pub fn count_late(&mut self) {
+        self.buffer.count_late();
+    }
+
+    fn begin(&mut self) {
+        if self.buffer.is_ready() {
+            self.phase = Phase::Playing;
+        } else if self.closed {
+            // A motion that is known to break off is not begun; one of no cycles has ended.
+            self.phase = if self.motion_end == 0 { Phase::Settling } else { Phase::Over };
+        } else {
+            return;
+        }
+        if self.motion_end == 0 {
+            self.watch_rest();
+        }
+        self.end_if_settled();
+    }
+
+    fn play(&mut self) -> Beat {
+        let Some(playing) = self.buffer.play() else { return self.starve() };
+        let cycle = playing.cycle;
+        if cycle <= self.motion_end {
+            self.digest = playing.digest;
+        }
+        self.setpoints.copy_from_slice(playing.setpoints);
+        for ((axis, setpoint), seen) in self.axes.iter_mut().zip(&self.setpoints).zip(&mut self.observations)
+        {
+            *seen = axis.step(&setpoint.state);
+        }
+        if cycle == self.motion_end {
+            self.watch_rest();
+        }
+        if self.buffer.is_finished() {
+            self.settle();
+        }
+        Beat::Played
+    }
+
+    fn starve(&mut self) -> Beat {
+        if self.closed {
+            self.settle();
+            return if self.is_over() { Beat::Over } else { self.rest() };
+        }
+        self.buffer.count_underrun();
+        self.hold();
+        Beat::Starved
+    }
+
+    fn rest(&mut self) -> Beat {
+        self.hold();
+        self.rested += 1;
+        self.end_if_settled();
+        Beat::Rested
+    }
+
+    fn hold(&mut self) {
+        for ((axis, setpoint), seen) in
+            self.axes.iter_mut().zip(&mut self.setpoints).zip(&mut self.observations)
+        {
+            *seen = axis.rest();
+            *setpoint = Setpoint::held(planner::State::at_rest(setpoint.state.position));
+        }
+    }
+
+    fn settle(&mut self) {
+        if !self.watches_rest {
+            self.watch_rest();
+        }
+        self.phase = Phase::Settling;
+        self.end_if_settled();
+    }
+
+    fn watch_rest(&mut self) {
+        self.watches_rest = true;
+        self.axes.iter_mut().for_each(Axis::begin_settling);
+    }
+
+    fn end_if_settled(&mut self) {
+        if self.phase == Phase::Settling && self.axes.iter().all(Axis::settle_window_is_over) {
+            self.phase = Phase::Over;
+        }
+    }
+}

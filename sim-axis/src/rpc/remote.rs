@@ -1,0 +1,130 @@
+//! An axis simulator elsewhere, seen from whoever asks it to follow a plan.
+
+use client::Error;
+use proto::pb::run_tracking_response::Message;
+use proto::pb::sim_axis_service_client::SimAxisServiceClient;
+use proto::{Rejected, pb, plan_to_wire};
+use tonic::transport::{Channel, Endpoint};
+use tonic::{Status, Streaming};
+
+use crate::clock::Clock;
+use crate::run::{TrackRequest, TrackingReport, Update};
+
+/// A connection to a `SimAxisService`.
+#[derive(Clone, Debug)]
+pub struct RemoteAxis {
+    endpoint: String,
+    service: SimAxisServiceClient<Channel>,
+}
+
+/// A run on an axis simulator elsewhere. Dropping it ends the run.
+#[derive(Debug)]
+pub struct RemoteRun {
+    endpoint: String,
+    incoming: Streaming<pb::RunTrackingResponse>,
+    report: Option<TrackingReport>,
+}
+
+/// The largest message \[bytes\]: a report and a chunk of samples have a few kilobytes, a plan may have megabytes.
+const MAX_MESSAGE: usize = 64 << 20;
+
+impl RemoteAxis {
+    /// Connects to the simulator at `endpoint`: `http://127.0.0.1:50052`, or without the scheme.
+    ///
+    /// # Errors
+    /// [`Error::Unreachable`] where nobody answers, or where the address is none.
+    pub async fn connect(endpoint: &str) -> Result<Self, Error> {
+        let address = if endpoint.contains("://") { endpoint.into() } else { format!("http://{endpoint}") };
+        let unreachable = |error| Error::unreachable(endpoint, &error);
+        let channel = Endpoint::from_shared(address).map_err(unreachable)?;
+        let channel = channel.tcp_nodelay(true).connect().await.map_err(unreachable)?;
+        let service = SimAxisServiceClient::new(channel)
+            .max_encoding_message_size(MAX_MESSAGE)
+            .max_decoding_message_size(MAX_MESSAGE);
+        Ok(Self { endpoint: endpoint.into(), service })
+    }
+
+    /// Has the simulator follow a plan.
+    ///
+    /// # Errors
+    /// [`Error::Rejected`] with every field that is invalid, or with what the planner says that does not open the stream.
+    pub async fn track(&self, request: TrackRequest) -> Result<RemoteRun, Error> {
+        let response = self.service.clone().run_tracking(to_wire(request)).await;
+        let incoming = response.map_err(|status| self.error(&status))?.into_inner();
+        Ok(RemoteRun { endpoint: self.endpoint.clone(), incoming, report: None })
+    }
+
+    fn error(&self, status: &Status) -> Error {
+        Error::from_status(&self.endpoint, status)
+    }
+}
+
+impl RemoteRun {
+    /// What happens next; `None` when the run is over.
+    ///
+    /// # Errors
+    /// [`Error::Rejected`] where the stream broke off, [`Error::Unreachable`] where the simulator is gone.
+    pub async fn next(&mut self) -> Result<Option<Update>, Error> {
+        loop {
+            let message = self.incoming.message().await;
+            let message = message.map_err(|status| Error::from_status(&self.endpoint, &status))?;
+            let Some(pb::RunTrackingResponse { message }) = message else { return Ok(None) };
+            match message {
+                Some(Message::Samples(samples)) => {
+                    let samples = samples.try_into().map_err(rejected)?;
+                    return Ok(Some(Update::Samples(samples)));
+                }
+                Some(Message::Event(event)) => {
+                    let event = event.try_into().map_err(rejected)?;
+                    return Ok(Some(Update::Event(event)));
+                }
+                Some(Message::Report(report)) => self.report = Some(report.into()),
+                // Something that a newer simulator says beside the rest.
+                None => {}
+            }
+        }
+    }
+
+    /// The report of a run that is over.
+    ///
+    /// # Errors
+    /// [`Error::Protocol`] where there was none.
+    pub fn finish(self) -> Result<TrackingReport, Error> {
+        self.report.ok_or_else(|| Error::Protocol("the run ended without a report".into()))
+    }
+}
+
+fn rejected(rejected: Rejected) -> Error {
+    Error::Protocol(rejected.to_string())
+}
+
+fn to_wire(request: TrackRequest) -> pb::RunTrackingRequest {
+    let TrackRequest {
+        stream,
+        endpoints,
+        plan,
+        models,
+        clock,
+        lead_cycles,
+        settle_window,
+        settle_tolerance,
+        stay_open,
+        accept_unproved,
+    } = request;
+    let ns = (settle_window * 1e9) as i64;
+    pb::RunTrackingRequest {
+        stream,
+        endpoints,
+        plan: Some(plan_to_wire(plan.judged())),
+        models: models.iter().map(|model| model.spec().clone().into()).collect(),
+        lead_cycles,
+        virtual_time: clock == Clock::Virtual,
+        settle_window: Some(prost_types::Duration {
+            seconds: ns / 1_000_000_000,
+            nanos: (ns % 1_000_000_000) as i32,
+        }),
+        settle_tolerance: settle_tolerance.unwrap_or_default(),
+        stay_open,
+        accept_unproved,
+    }
+}

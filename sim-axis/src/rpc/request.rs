@@ -1,0 +1,289 @@
+//! From a request on the wire to one that can be run, or to everything that is wrong with it.
+
+use planner::{Accepted, AxisKind, Field, InvalidFields, Judged, Plan};
+use proto::stream::DEFAULT_LEAD_CYCLES;
+use proto::{FieldViolation, Reason, Rejected, pb};
+
+use crate::audit::InvalidField;
+use crate::axis::{InvalidConfig, MOST_SETTLE_WINDOW};
+use crate::clock::Clock;
+use crate::model::{AxisModel, AxisModelSpec};
+use crate::models::Models;
+use crate::run::{DEFAULT_SETTLE_WINDOW, TrackRequest};
+
+/// How far ahead setpoints can be held [cycles].
+const LEAD_CYCLES: std::ops::RangeInclusive<u32> = 10..=250;
+
+/// The run that is asked for, on axes of `own` where the request has no model.
+pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Result<TrackRequest, Rejected> {
+    let pb::RunTrackingRequest {
+        stream,
+        endpoints,
+        plan,
+        models,
+        lead_cycles,
+        virtual_time,
+        settle_window,
+        settle_tolerance,
+        stay_open,
+        accept_unproved,
+    } = wire;
+    let mut faults = Faults::default();
+    if stream.is_empty() {
+        faults.note("stream", Reason::ProtocolOrder, "is empty: name the stream to open, as cell-7/x");
+    }
+    if endpoints.is_empty() {
+        let text = "is empty: name at least one planner, as http://127.0.0.1:50051";
+        faults.note("endpoints", Reason::ProtocolOrder, text);
+    }
+    let plan = faults.plan(plan);
+    let models = faults.models(models, plan.as_ref(), own);
+    if lead_cycles != 0 && !LEAD_CYCLES.contains(&lead_cycles) {
+        let (least, most) = LEAD_CYCLES.into_inner();
+        let text = format!("is {lead_cycles}: hold {least} to {most} cycles, or 0 for {DEFAULT_LEAD_CYCLES}");
+        faults.note("lead_cycles", Reason::LimitNotPositive, text);
+    }
+    let settle_window = settle_window.map_or(DEFAULT_SETTLE_WINDOW, seconds);
+    if !(0.0..=MOST_SETTLE_WINDOW).contains(&settle_window) {
+        let text = InvalidConfig::SettleWindow { window: settle_window, most: MOST_SETTLE_WINDOW };
+        faults.note("settle_window", Reason::LimitNotPositive, text);
+    }
+    if !(settle_tolerance >= 0.0 && settle_tolerance.is_finite()) {
+        let reason = if settle_tolerance.is_finite() { Reason::LimitNotPositive } else { Reason::NotFinite };
+        let text = InvalidConfig::SettleTolerance { tolerance: settle_tolerance };
+        faults.note("settle_tolerance", reason, text);
+    }
+    let plan = faults.none_in(plan)?;
+    Ok(TrackRequest {
+        stream,
+        endpoints,
+        plan: accepted(plan)?,
+        models,
+        clock: if virtual_time { Clock::Virtual } else { Clock::Wall },
+        lead_cycles: if lead_cycles == 0 { DEFAULT_LEAD_CYCLES } else { lead_cycles },
+        settle_window,
+        settle_tolerance: (settle_tolerance > 0.0).then_some(settle_tolerance),
+        stay_open,
+        accept_unproved,
+    })
+}
+
+/// Why an axis cannot be run as the request says, with the field that says so.
+pub(super) fn unsuitable(axis: &str, cause: &InvalidConfig) -> Rejected {
+    let (field, reason) = match cause {
+        InvalidConfig::SubstepDoesNotDivide { .. } | InvalidConfig::Cycle { .. } => {
+            ("plan.cycle_time", Reason::CycleTimeInvalid)
+        }
+        InvalidConfig::SettleWindow { .. } => ("settle_window", Reason::LimitNotPositive),
+        InvalidConfig::SettleTolerance { .. } => ("settle_tolerance", Reason::LimitNotPositive),
+        InvalidConfig::Start { .. } => ("plan.axes", Reason::NotFinite),
+        InvalidConfig::EffortScale { .. } => ("effort_limit_scale", Reason::LimitNotPositive),
+    };
+    let text = format!("axis {axis:?}: {cause}");
+    let violation = FieldViolation::new(field, reason, text.clone());
+    Rejected::for_fields(vec![violation]).unwrap_or_else(|| Rejected::new(reason, text))
+}
+
+fn accepted(plan: Plan) -> Result<Accepted, Rejected> {
+    Ok(Judged::new(plan).accepted()?)
+}
+
+fn seconds(wire: prost_types::Duration) -> f64 {
+    let prost_types::Duration { seconds, nanos } = wire;
+    (seconds as f64 * 1e9 + f64::from(nanos)) / 1e9
+}
+
+/// Everything that is wrong with a request.
+#[derive(Default)]
+struct Faults(Vec<FieldViolation>);
+
+impl Faults {
+    fn note(&mut self, field: impl Into<String>, reason: Reason, text: impl ToString) {
+        self.0.push(FieldViolation::new(field, reason, text.to_string()));
+    }
+
+    fn plan(&mut self, wire: Option<pb::Plan>) -> Option<Plan> {
+        let Some(wire) = wire else {
+            self.note("plan", Reason::ProtocolOrder, "is not set: send a plan, as Plan answers it");
+            return None;
+        };
+        let plan = proto::plan_from_wire(wire).map_err(|inner| {
+            let mut invalid = InvalidFields::default();
+            invalid.extend_within(&Field::named("plan"), inner);
+            self.0.extend(Rejected::from(invalid).fields);
+        });
+        plan.ok()
+    }
+
+    /// One model for each axis of the plan, as far as that is known.
+    fn models(&mut self, wire: Vec<pb::AxisModel>, plan: Option<&Plan>, own: &Models) -> Vec<AxisModel> {
+        let axes = plan.map_or(&[][..], Plan::axes);
+        let known = || axes.iter().map(|axis| axis.axis.as_str()).collect::<Vec<_>>().join(", ");
+        let mut models: Vec<AxisModel> = Vec::new();
+        let mut names: Vec<String> = Vec::new();
+        for (index, wire) in wire.into_iter().enumerate() {
+            let path = |field: &str| format!("models[{index}].{field}");
+            let name = wire.axis.clone();
+            let axis = axes.iter().find(|axis| axis.axis == name);
+            if plan.is_some() && axis.is_none() {
+                let text = format!("no axis is called {name:?}: the plan has {}", known());
+                self.note(path("axis"), Reason::UnknownAxis, text);
+            } else if names.contains(&name) {
+                let text = format!("a model before it is of {name:?} too: send one for each axis");
+                self.note(path("axis"), Reason::DuplicateAxis, text);
+            }
+            let has_pulses = wire.pulses_per_unit != 0.0 && (wire.pulses_per_unit - 1.0).abs() > 0.0;
+            if has_pulses && axis.is_some_and(|axis| axis.kind != AxisKind::Pulses) {
+                let text =
+                    format!("is {}, and the axis is not in pulses: leave it at 0", wire.pulses_per_unit);
+                self.note(path("pulses_per_unit"), Reason::KindUnspecified, text);
+            }
+            match AxisModel::try_from(spec(wire, own)) {
+                Ok(model) => models.push(model),
+                Err(invalid) => {
+                    for field in invalid.fields {
+                        self.note(path(field.path()), reason(&field), field);
+                    }
+                }
+            }
+            names.push(name);
+        }
+        for axis in axes.iter().filter(|axis| !names.contains(&axis.axis)) {
+            models.push(own.of(&axis.axis));
+        }
+        models
+    }
+
+    /// `value`, if nothing is wrong.
+    fn none_in<T>(self, value: Option<T>) -> Result<T, Rejected> {
+        match (Rejected::for_fields(self.0), value) {
+            (None, Some(value)) => Ok(value),
+            (Some(rejected), _) => Err(rejected),
+            (None, None) => Err(Rejected::new(Reason::ProtocolOrder, "the plan cannot be read: plan again")),
+        }
+    }
+}
+
+/// A model of a request: without a servo, with the one that this process has for the axis.
+fn spec(wire: pb::AxisModel, own: &Models) -> AxisModelSpec {
+    let has_servo = wire.servo.is_some();
+    let spec = AxisModelSpec::from(wire);
+    if has_servo {
+        return spec;
+    }
+    let servo = own.servo_of(&spec.axis);
+    AxisModelSpec { servo, ..spec }
+}
+
+fn reason(field: &InvalidField) -> Reason {
+    match field {
+        InvalidField::NotFinite { .. } => Reason::NotFinite,
+        InvalidField::NotPositive { .. } | InvalidField::OutOfRange { .. } => Reason::LimitNotPositive,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pb::mechanics::{Model, TwoMassLoad};
+
+    fn plan() -> pb::Plan {
+        let axis = |name: &str| pb::AxisMove {
+            axis: name.into(),
+            kind: pb::AxisKind::Prismatic.into(),
+            start: Some(pb::AxisState::default()),
+            goal: Some(pb::AxisState { position: 0.05, ..pb::AxisState::default() }),
+            limits: Some(pb::AxisLimits {
+                max_velocity: 0.25,
+                max_acceleration: 3.0,
+                max_jerk: 100.0,
+                ..pb::AxisLimits::default()
+            }),
+        };
+        let request = pb::PlanRequest {
+            axes: vec![axis("x"), axis("y")],
+            synchronization: pb::Synchronization::None.into(),
+            ..pb::PlanRequest::default()
+        };
+        let request = planner::Request::try_from(planner::RequestSpec::from(request)).unwrap();
+        proto::plan_to_wire(&Judged::answer(&request).unwrap())
+    }
+
+    fn sound() -> pb::RunTrackingRequest {
+        pb::RunTrackingRequest {
+            stream: "cell-7/xy".into(),
+            endpoints: vec!["http://127.0.0.1:50051".into()],
+            plan: Some(plan()),
+            ..pb::RunTrackingRequest::default()
+        }
+    }
+
+    fn two_mass(axis: &str, stiffness: f64) -> pb::AxisModel {
+        let load = TwoMassLoad { motor_inertia: 12.0, load_inertia: 2.0, stiffness, damping: 5.0 };
+        let mechanics = pb::Mechanics { model: Some(Model::TwoMass(load)), friction: None, max_effort: 0.0 };
+        pb::AxisModel { axis: axis.into(), mechanics: Some(mechanics), ..pb::AxisModel::default() }
+    }
+
+    #[test]
+    fn what_is_left_open_is_filled_in() {
+        let request = track_request(sound(), &Models::default()).unwrap();
+        assert_eq!((request.lead_cycles, request.settle_tolerance), (40, None));
+        assert_eq!((request.clock, request.stay_open), (Clock::Wall, false));
+        assert_eq!(request.models, [AxisModel::ideal("x"), AxisModel::ideal("y")]);
+        assert!((request.settle_window - 0.5).abs() < 1e-15);
+        let own = Models::new(vec![AxisModelSpec::flexible(""), AxisModelSpec::ideal("y")]).unwrap();
+        let request = track_request(sound(), &own).unwrap();
+        assert_eq!(request.models, [AxisModel::flexible("x"), AxisModel::ideal("y")]);
+    }
+
+    #[test]
+    fn everything_that_is_wrong_is_said_at_once_and_where() {
+        let window = prost_types::Duration { seconds: -1, nanos: 0 };
+        let request = pb::RunTrackingRequest {
+            stream: String::new(),
+            endpoints: vec![],
+            models: vec![
+                two_mass("x", 1e5),
+                two_mass("y", -1.0),
+                two_mass("z", 1e5),
+                two_mass("x", 1e5),
+                pb::AxisModel { axis: "y".into(), pulses_per_unit: 1000.0, ..pb::AxisModel::default() },
+            ],
+            lead_cycles: 251,
+            settle_window: Some(window),
+            settle_tolerance: f64::NAN,
+            ..sound()
+        };
+        let rejected = track_request(request, &Models::default()).unwrap_err();
+        let found: Vec<(&str, Reason)> =
+            rejected.fields.iter().map(|field| (field.field.as_str(), field.reason)).collect();
+        let expected = [
+            ("stream", Reason::ProtocolOrder),
+            ("endpoints", Reason::ProtocolOrder),
+            ("models[1].mechanics.two_mass.stiffness", Reason::LimitNotPositive),
+            ("models[2].axis", Reason::UnknownAxis),
+            ("models[3].axis", Reason::DuplicateAxis),
+            ("models[4].axis", Reason::DuplicateAxis),
+            ("models[4].pulses_per_unit", Reason::KindUnspecified),
+            ("lead_cycles", Reason::LimitNotPositive),
+            ("settle_window", Reason::LimitNotPositive),
+            ("settle_tolerance", Reason::NotFinite),
+        ];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn a_plan_is_needed_and_has_to_be_one() {
+        let without = pb::RunTrackingRequest { plan: None, ..sound() };
+        let rejected = track_request(without, &Models::default()).unwrap_err();
+        assert_eq!(rejected.fields[0].field, "plan");
+        let mut wire = sound();
+        wire.plan.as_mut().unwrap().axes[0].kind = 99;
+        let rejected = track_request(wire, &Models::default()).unwrap_err();
+        assert_eq!(rejected.fields[0].field, "plan.axes[0].kind");
+        let mut wire = sound();
+        wire.plan.as_mut().unwrap().axes[1].segments[2].duration += 1.0;
+        let rejected = track_request(wire, &Models::default()).unwrap_err();
+        assert_eq!(rejected.reason, Reason::PlanRejected);
+    }
+}

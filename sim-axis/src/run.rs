@@ -1,0 +1,535 @@
+//! One tracking run: one stream, its axes, and whoever looks on.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::{Duration, SystemTime};
+
+use client::{Buffer, Client, Link, Reports, Standing};
+use planner::{Accepted, AxisKind, Setpoint};
+use proto::stream::{
+    Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES, Motion, Open, Opened,
+    StreamEvent, ToAxis,
+};
+use proto::{Digest, Reason};
+use tokio::sync::{mpsc, oneshot};
+
+use crate::axis::{Axis, AxisConfig, InvalidConfig};
+use crate::clock::Clock;
+use crate::cycle_thread::{Fed, Feed, Outcome, Outside, ReportRing, SampleRing, spawn};
+use crate::jitter::Jitter;
+use crate::model::AxisModel;
+use crate::monitor::ReportCard;
+use crate::player::Player;
+use crate::samples::Samples;
+
+/// What an axis is asked to follow, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrackRequest {
+    /// Name of the stream to open.
+    pub stream: String,
+    /// Where planners are; tried in order until one opens the stream.
+    pub endpoints: Vec<String>,
+    /// The motion.
+    pub plan: Accepted,
+    /// Models by axis name; an axis that is not named follows ideally.
+    pub models: Vec<AxisModel>,
+    /// What the run goes by.
+    pub clock: Clock,
+    /// How far ahead setpoints are held [cycles].
+    pub lead_cycles: u32,
+    /// How long the loads are watched after the last setpoint [s].
+    pub settle_window: f64,
+    /// How near to the goal is settled [axis units]; `None`: [`default_settle_tolerance`] of each axis's kind.
+    pub settle_tolerance: Option<f64>,
+    /// Keep the stream open at rest, until it is closed from outside?
+    pub stay_open: bool,
+    /// Take a plan that does not guarantee velocity and acceleration?
+    pub accept_unproved: bool,
+}
+
+/// How long loads are watched after the last setpoint where nobody says [s]: two dozen swings of a soft machine.
+pub const DEFAULT_SETTLE_WINDOW: f64 = 0.5;
+
+/// How near to the goal is settled where nobody says [axis units]: 10 µm, 10 µrad, or one pulse.
+#[must_use]
+pub fn default_settle_tolerance(kind: AxisKind) -> f64 {
+    match kind {
+        AxisKind::Prismatic | AxisKind::Revolute => 1e-5,
+        AxisKind::Pulses => 1.0,
+    }
+}
+
+impl TrackRequest {
+    /// To follow `plan` from the planner at `endpoint`, with ideal axes, in wall-clock time.
+    #[must_use]
+    pub fn new(stream: impl Into<String>, endpoint: impl Into<String>, plan: Accepted) -> Self {
+        Self {
+            stream: stream.into(),
+            endpoints: vec![endpoint.into()],
+            plan,
+            models: Vec::new(),
+            clock: Clock::Wall,
+            lead_cycles: DEFAULT_LEAD_CYCLES,
+            settle_window: DEFAULT_SETTLE_WINDOW,
+            settle_tolerance: None,
+            stay_open: false,
+            accept_unproved: false,
+        }
+    }
+}
+
+/// How well the axes followed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrackingReport {
+    /// One card for each axis, in plan order.
+    pub axes: Vec<ReportCard>,
+    /// How the stream did.
+    pub stream: StreamReport,
+}
+
+/// How the stream of a run did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StreamReport {
+    /// Cycles given to the servo; those of the settle window are not counted.
+    pub cycles_executed: u64,
+    /// As in the reports to the server. In virtual time the least lead says only how two threads took turns.
+    pub counters: Counters,
+    /// Times that the stream went on with another replica.
+    pub failovers: u64,
+    /// How late cycles began; 0 in virtual time.
+    pub jitter: Jitter,
+    /// Of the last cycle of the motion that was played; cycles at rest after it are not in it.
+    pub digest: Digest,
+    /// Was a stop tail played?
+    pub stop_tail_used: bool,
+}
+
+/// What a run tells while it goes on.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly all are samples: a box would be one more allocation each"
+)]
+#[derive(Clone, Debug, PartialEq)]
+pub enum Update {
+    /// How the axes follow.
+    Samples(Samples),
+    /// Something happened to the stream.
+    Event(StreamEvent),
+}
+
+/// Why a run has no report, or none that is whole.
+#[derive(Debug, thiserror::Error)]
+pub enum TrackError {
+    /// Nowhere to go.
+    #[error("no endpoint is given: name at least one planner, as http://127.0.0.1:50051")]
+    NoEndpoint,
+    /// A model for an axis that does not move.
+    #[error("no axis is called {name:?}: the plan has {known}")]
+    UnknownAxis {
+        /// The name.
+        name: String,
+        /// Those that there are.
+        known: String,
+    },
+    /// An axis that cannot be simulated like this.
+    #[error("axis {axis:?}: {cause}")]
+    Config {
+        /// Its name.
+        axis: String,
+        /// Why not.
+        cause: InvalidConfig,
+    },
+    /// No planner opened the stream: what the last one that was tried said.
+    #[error("the stream cannot be opened: {0}")]
+    NotOpened(client::Error),
+    /// The stream broke off before the motion had ended. The axis has played what it held, and holds.
+    #[error(
+        "the stream ended at cycle {executed} of {motion_end}: {cause}; the axis holds there: plan from where it stands \
+         and run again"
+    )]
+    Broken {
+        /// The last cycle that was played.
+        executed: u64,
+        /// The last cycle of the motion.
+        motion_end: u64,
+        /// What happened.
+        cause: client::Error,
+        /// How well the axis followed until there.
+        report: Box<TrackingReport>,
+    },
+    /// Whoever looked on has gone, and the run with them.
+    #[error("nobody looks on any more, so the run was ended")]
+    Abandoned,
+    /// The process cannot run one more axis.
+    #[error("the cycle thread cannot run: {0}")]
+    Thread(String),
+}
+
+/// A run that has begun. Dropping it ends the run.
+#[derive(Debug)]
+pub struct Tracking {
+    motion: Motion,
+    served_by: String,
+    updates: mpsc::Receiver<Update>,
+    result: oneshot::Receiver<Result<TrackingReport, TrackError>>,
+}
+
+/// Runs to the end, and gives every update to `on_update`.
+///
+/// # Errors
+/// Those of [`Tracking::begin`] and [`Tracking::finish`].
+pub async fn track(
+    request: TrackRequest,
+    mut on_update: impl FnMut(Update),
+) -> Result<TrackingReport, TrackError> {
+    let mut tracking = Tracking::begin(request).await?;
+    while let Some(update) = tracking.next().await {
+        on_update(update);
+    }
+    tracking.finish().await
+}
+
+impl Tracking {
+    /// Opens the stream and lets the axes follow it.
+    ///
+    /// # Errors
+    /// A request that cannot be run, before anything is opened; a stream that no planner opens.
+    pub async fn begin(request: TrackRequest) -> Result<Self, TrackError> {
+        let axes = axes(&request)?;
+        let open = open_of(&request);
+        let opened = open_somewhere(&request.endpoints, &open).await?;
+        let player = player(&open, axes, &opened.motion);
+        let cycle = open.plan.plan().cycle_time();
+        let outside = spawn(player, cycle, request.clock).map_err(|e| TrackError::Thread(e.to_string()))?;
+        let (teller, updates) = mpsc::channel(UPDATES);
+        let (done, result) = oneshot::channel();
+        let Opening { motion, served_by, link, reports } = opened;
+        let motion_end = motion.last_cycle();
+        tokio::spawn(async move {
+            let result = carry((link, reports), outside, teller, request.clock, motion_end).await;
+            // Nobody to tell is not a failure.
+            let _ = done.send(result);
+        });
+        Ok(Self { motion, served_by, updates, result })
+    }
+
+    /// The motion that is played, with the closing stop of a plan that ends at speed.
+    #[must_use]
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// Who serves the stream.
+    #[must_use]
+    pub fn served_by(&self) -> &str {
+        &self.served_by
+    }
+
+    /// What happens next; `None` when there is no more than the report.
+    ///
+    /// A run by the wall clock waits for nobody: who reads too slowly loses the oldest samples. In virtual time the run
+    /// waits for its reader, so that all of them arrive.
+    pub async fn next(&mut self) -> Option<Update> {
+        self.updates.recv().await
+    }
+
+    /// How the run went. Reads what is left to read.
+    ///
+    /// # Errors
+    /// [`TrackError::Broken`] for a stream that ended too early, with the report until there.
+    pub async fn finish(mut self) -> Result<TrackingReport, TrackError> {
+        while self.next().await.is_some() {}
+        let gone = || Err(TrackError::Thread("its task has ended without a word".into()));
+        self.result.await.unwrap_or_else(|_| gone())
+    }
+}
+
+/// Updates that were handed over and not read.
+const UPDATES: usize = 4;
+/// Updates that wait to be handed over [messages of about 50 ms].
+const WAITING: usize = 64;
+/// Events that wait to be taken up.
+const EVENTS: usize = 64;
+/// How long a planner may take to connect and to open the stream.
+const OPENING: Duration = Duration::from_secs(10);
+/// How long the server may take to end a stream that the axis has closed.
+const GOODBYE: Duration = Duration::from_secs(1);
+
+fn axes(request: &TrackRequest) -> Result<Vec<Axis>, TrackError> {
+    let plan = request.plan.plan();
+    for model in &request.models {
+        if plan.axes().iter().all(|axis| axis.axis != model.axis()) {
+            let known = plan.axes().iter().map(|axis| axis.axis.as_str()).collect::<Vec<_>>().join(", ");
+            return Err(TrackError::UnknownAxis { name: model.axis().into(), known });
+        }
+    }
+    let starts = plan.sampler().at(0).collect::<Vec<Setpoint>>();
+    plan.axes()
+        .iter()
+        .zip(&starts)
+        .map(|(axis, start)| {
+            let named = request.models.iter().find(|model| model.axis() == axis.axis);
+            let model = named.cloned().unwrap_or_else(|| AxisModel::ideal(axis.axis.clone()));
+            let config = AxisConfig {
+                cycle: plan.cycle_time().as_seconds(),
+                settle_window: request.settle_window,
+                settle_tolerance: request.settle_tolerance.unwrap_or(default_settle_tolerance(axis.kind)),
+            };
+            Axis::new(&model, config, &start.state)
+                .map_err(|cause| TrackError::Config { axis: axis.axis.clone(), cause })
+        })
+        .collect()
+}
+
+fn open_of(request: &TrackRequest) -> Open {
+    Open {
+        stream: request.stream.clone(),
+        epoch: fresh_epoch(),
+        lead_cycles: request.lead_cycles.max(1),
+        // Several reports a lead, or the credit would run out between them.
+        batch_cycles: DEFAULT_BATCH_CYCLES.min(request.lead_cycles.div_ceil(2)).max(1),
+        axis_guard: DEFAULT_AXIS_GUARD,
+        close_at_rest: !request.stay_open,
+        accept_unproved: request.accept_unproved,
+        executed_cycle: 0,
+        plan: request.plan.clone(),
+    }
+}
+
+/// Larger than that of any run before, over restarts of the process too: the time [ns].
+#[expect(clippy::disallowed_methods, reason = "only numbers a run; no setpoint depends on it")]
+fn fresh_epoch() -> u64 {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    u64::try_from(since.as_nanos()).unwrap_or(u64::MAX)
+}
+
+/// A stream that is open.
+struct Opening {
+    motion: Motion,
+    served_by: String,
+    link: Link,
+    reports: Reports,
+}
+
+/// Tries one planner after the other. One that refuses the request speaks for all; one that is gone, or about to leave,
+/// does not.
+async fn open_somewhere(endpoints: &[String], open: &Open) -> Result<Opening, TrackError> {
+    let mut last = None;
+    for endpoint in endpoints {
+        let opening = tokio::time::timeout(OPENING, open_at(endpoint, open)).await;
+        match opening.unwrap_or_else(|_| Err(no_answer(endpoint))) {
+            Ok(opening) => return Ok(opening),
+            Err(client::Error::Rejected(rejected)) if rejected.reason != Reason::Draining => {
+                return Err(TrackError::NotOpened(client::Error::Rejected(rejected)));
+            }
+            Err(error) => {
+                tracing::info!(endpoint, %error, "not opened here");
+                last = Some(error);
+            }
+        }
+    }
+    Err(last.map_or(TrackError::NoEndpoint, TrackError::NotOpened))
+}
+
+async fn open_at(endpoint: &str, open: &Open) -> Result<Opening, client::Error> {
+    let client = Client::connect(endpoint).await?;
+    let (reports, mut link) = client.open(open.clone()).await?;
+    match link.next().await? {
+        Some((_, ToAxis::Opened(opened))) => {
+            let Opened { motion, served_by, first_cycle: _, current_epoch: _ } = *opened;
+            Ok(Opening { motion, served_by, link, reports })
+        }
+        Some(_) => Err(client::Error::Protocol("the first message does not open the stream".into())),
+        None => Err(client::Error::Protocol("the stream ended before it was opened".into())),
+    }
+}
+
+fn no_answer(endpoint: &str) -> client::Error {
+    let cause = format!("no answer within {} s", OPENING.as_secs());
+    client::Error::Unreachable { endpoint: endpoint.into(), cause }
+}
+
+fn player(open: &Open, axes: Vec<Axis>, motion: &Motion) -> Player {
+    let plan = open.plan.plan();
+    let setpoints: Vec<Setpoint> = plan.sampler().at(0).collect();
+    let buffer = Buffer::new(&Standing {
+        epoch: open.epoch,
+        lead_cycles: open.lead_cycles,
+        axis_guard: open.axis_guard,
+        plan,
+        setpoints: &setpoints,
+    });
+    Player::new(buffer, axes, motion.last_cycle(), u64::from(open.batch_cycles))
+}
+
+/// Carries everything between the network, the cycle thread and whoever looks on, until the cycle thread is done. One
+/// task: what wakes it for several reasons wakes it once.
+async fn carry(
+    (link, reports): (Link, Reports),
+    outside: Outside,
+    teller: mpsc::Sender<Update>,
+    clock: Clock,
+    motion_end: u64,
+) -> Result<TrackingReport, TrackError> {
+    // Kept to the end: without it the cycle thread stops at once.
+    let Outside { mut feed, reports: report_ring, samples, outcome } = outside;
+    let sampled = Arc::clone(&samples.news);
+    let (events, event_queue) = mpsc::channel(EVENTS);
+    let nobody = teller.clone();
+    let mut feeding = Box::pin(feed_from(link, &mut feed, events));
+    let mut telling = Box::pin(tell(samples, event_queue, teller, clock));
+    let mut speaking = Box::pin(speak(report_ring, reports));
+    let mut outcome = std::pin::pin!(outcome);
+    let (mut ended, mut told) = (None, false);
+
+    let outcome = loop {
+        tokio::select! {
+            done = &mut outcome => break done,
+            how = &mut feeding, if ended.is_none() => ended = Some(how),
+            () = &mut telling, if !told => told = true,
+            () = &mut speaking => {}
+            () = nobody.closed() => return Err(TrackError::Abandoned),
+        }
+    };
+    // Closes the axis's side: the server ends the stream.
+    drop(speaking);
+    // A thread that ended without a word has not woken anybody.
+    sampled.notify_one();
+    if ended.is_none() {
+        let goodbye = async {
+            loop {
+                tokio::select! {
+                    how = &mut feeding => break how,
+                    () = &mut telling, if !told => told = true,
+                }
+            }
+        };
+        ended = tokio::time::timeout(GOODBYE, goodbye).await.ok();
+    }
+    // Drops what feeds events, so that telling comes to an end.
+    drop(feeding);
+    if !told {
+        telling.await;
+    }
+    drop(nobody);
+    let Outcome { player, lateness } =
+        outcome.map_err(|_| TrackError::Thread("it has ended without a word".into()))?;
+    let report = tokio::task::spawn_blocking(move || {
+        let (executed, arrived) = (player.buffer().executed(), player.has_arrived());
+        let stream = StreamReport {
+            cycles_executed: executed,
+            counters: player.buffer().counters(),
+            failovers: 0,
+            jitter: if clock == Clock::Wall { lateness.jitter() } else { Jitter::default() },
+            digest: player.digest(),
+            stop_tail_used: false,
+        };
+        (arrived, TrackingReport { axes: player.report_cards(), stream })
+    });
+    let (arrived, report) = report.await.map_err(|error| TrackError::Thread(error.to_string()))?;
+    if arrived {
+        // However the stream ended, the motion had been played by then.
+        return Ok(report);
+    }
+    let too_early = || client::Error::Protocol("the stream ended before the motion did".into());
+    Err(broken(report, motion_end, ended.and_then(Result::err).unwrap_or_else(too_early)))
+}
+
+fn broken(report: TrackingReport, motion_end: u64, cause: client::Error) -> TrackError {
+    let executed = report.stream.cycles_executed;
+    TrackError::Broken { executed, motion_end, cause, report: Box::new(report) }
+}
+
+/// Brings what the server says to the cycle thread, until it has no more to say.
+async fn feed_from(
+    mut link: Link,
+    feed: &mut Feed,
+    events: mpsc::Sender<StreamEvent>,
+) -> Result<(), client::Error> {
+    let how = loop {
+        match link.next().await {
+            Ok(Some((epoch, ToAxis::Batch(batch)))) => {
+                // A cycle thread that is done has no more use for it; the stream is read to its end all the same.
+                feed.push(Fed::Batch(epoch, batch)).await;
+            }
+            // Who does not take up events loses the newest: none of them says what a report does not.
+            Ok(Some((_, ToAxis::Event(event)))) => drop(events.try_send(event)),
+            Ok(Some((_, other))) => {
+                tracing::debug!(?other, "the server answers what was not asked");
+            }
+            Ok(None) => break Ok(()),
+            Err(error) => break Err(error),
+        }
+    };
+    feed.push(Fed::Closed).await;
+    drop(events);
+    how.inspect_err(|error| tracing::warn!(%error, "the stream broke off"))
+}
+
+/// Tells the server where the axis is. Of several reports that wait, the newest says it all; refusals go one by one.
+async fn speak(mut ring: ReportRing, reports: Reports) {
+    loop {
+        ring.news.notified().await;
+        let mut newest = None;
+        while let Ok(report) = ring.reports.pop() {
+            let refuses = report.refused.is_some();
+            newest = Some(report);
+            if refuses {
+                break;
+            }
+        }
+        ring.thread.wake();
+        if let Some(report) = newest {
+            // A stream that is over says so where it is read.
+            reports.send(&report).await;
+        }
+        if !ring.reports.is_empty() {
+            ring.news.notify_one();
+        }
+    }
+}
+
+/// Tells whoever looks on what the axes do, until the cycle thread is done and everything is told.
+async fn tell(
+    mut ring: SampleRing,
+    mut events: mpsc::Receiver<StreamEvent>,
+    teller: mpsc::Sender<Update>,
+    clock: Clock,
+) {
+    let mut queue = VecDeque::new();
+    let mut has_events = true;
+    let mut lost = 0_u64;
+    loop {
+        let done = ring.full.is_abandoned();
+        while clock == Clock::Wall || queue.len() < WAITING {
+            let Ok(mut chunk) = ring.full.pop() else { break };
+            queue.push_back(Update::Samples(chunk.read()));
+            chunk.clear();
+            // There are as many places as chunks.
+            let _ = ring.empty.push(chunk);
+            ring.thread.wake();
+        }
+        while clock == Clock::Wall && queue.len() > WAITING {
+            queue.pop_front();
+            lost += 1;
+        }
+        if done && ring.full.is_empty() && queue.is_empty() && !has_events {
+            break;
+        }
+        tokio::select! {
+            () = ring.news.notified() => {}
+            event = events.recv(), if has_events => match event {
+                Some(event) => queue.push_back(Update::Event(event)),
+                None => has_events = false,
+            },
+            permit = teller.reserve(), if !queue.is_empty() => {
+                let Ok(permit) = permit else { return };
+                let Some(update) = queue.pop_front() else { continue };
+                permit.send(update);
+            }
+        }
+    }
+    if lost > 0 {
+        tracing::info!(lost, "a slow reader has lost messages");
+    }
+}
