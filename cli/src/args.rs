@@ -282,8 +282,8 @@ pub(crate) struct TrackArgs {
     /// Name of the stream to open.
     #[arg(long, value_name = "NAME", default_value = "portamento-track")]
     pub(crate) stream: String,
-    /// How far ahead the axis holds setpoints, in cycles: what a stall of server or network may take.
-    #[arg(long, value_name = "CYCLES", default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..=4000))]
+    /// How far ahead the axis holds setpoints, 10 to 250 cycles: what a stall of server or network may take.
+    #[arg(long, value_name = "CYCLES", default_value_t = 40, value_parser = clap::value_parser!(u32).range(10..=250))]
     pub(crate) lead: u32,
     /// As fast as it computes, instead of one cycle a millisecond; the numbers are the same.
     #[arg(long)]

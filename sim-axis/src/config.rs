@@ -23,7 +23,7 @@ pub struct Config {
 impl Default for Config {
     fn default() -> Self {
         Self {
-            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 50061)),
+            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 50052)),
             insecure: false,
             models: Models::default(),
             drain_deadline: Duration::from_secs(10),

@@ -17,14 +17,14 @@ use tonic_health::pb::health_client::HealthClient;
 #[command(
     name = "portamento-sim-axis",
     version,
-    after_help = "Example:\n  portamento-sim-axis --listen 127.0.0.1:50061 --model gantry.json"
+    after_help = "Example:\n  portamento-sim-axis --listen 127.0.0.1:50052 --model gantry.json"
 )]
 struct Args {
     /// Where to listen; port 0 takes any free one.
     #[arg(
         long,
         env = "PORTAMENTO_SIM_AXIS_LISTEN",
-        default_value = "127.0.0.1:50061",
+        default_value = "127.0.0.1:50052",
         value_name = "ADDRESS:PORT"
     )]
     listen: SocketAddr,
