@@ -18,7 +18,11 @@ for name in server sim-axis; do
     cp "${CARGO_TARGET_DIR:-target}/$triple/release/portamento-$name" "$context/target/$triple/release/"
 done
 for name in server sim-axis; do
-    DOCKER_BUILDKIT=0 docker build --quiet --file deploy/Dockerfile --target "$name" \
-        --tag "portamento-$name:$tag" "$context" >/dev/null
+    # Both builders make the same image; the older one is there wherever an engine is, and says that it is old.
+    if ! said=$(DOCKER_BUILDKIT=0 docker build --quiet --file deploy/Dockerfile --target "$name" \
+        --tag "portamento-$name:$tag" "$context" 2>&1); then
+        echo "$said" >&2
+        exit 1
+    fi
     echo "portamento-$name:$tag"
 done
