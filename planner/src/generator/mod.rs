@@ -172,10 +172,9 @@ pub struct Generator<F: Real> {
     schedule: Schedule<F>,
     /// Where the move goes; where the axis is, if it is done.
     target: F,
-    /// The cycle of `setpoint`, and that at which the move has ended.
+    /// The present cycle, and that at which the move has ended.
     cycle: u64,
     end: u64,
-    setpoint: Setpoint<F>,
 }
 
 impl<F: Real> Generator<F> {
@@ -201,7 +200,6 @@ impl<F: Real> Generator<F> {
             target: F::ZERO,
             cycle: 0,
             end: 0,
-            setpoint: Setpoint::at_rest(F::ZERO),
         })
     }
 
@@ -219,16 +217,7 @@ impl<F: Real> Generator<F> {
     /// [`Refused::NotFinite`].
     pub fn standing_at(self, position: F) -> Result<Self, Refused> {
         let position = checked(position)?;
-        let setpoint = Setpoint::at_rest(position);
-        Ok(Self {
-            shape: None,
-            schedule: Schedule::empty(),
-            target: position,
-            cycle: 0,
-            end: 0,
-            setpoint,
-            ..self
-        })
+        Ok(Self { shape: None, schedule: Schedule::empty(), target: position, cycle: 0, end: 0, ..self })
     }
 
     /// Where to go next [axis units]. The move begins now: the next [`step`](Self::step) is one cycle into it, and
@@ -253,7 +242,6 @@ impl<F: Real> Generator<F> {
         self.target = target;
         self.cycle = 0;
         self.end = end;
-        self.setpoint = self.evaluate();
         Ok(())
     }
 
@@ -262,21 +250,23 @@ impl<F: Real> Generator<F> {
     pub fn step(&mut self) -> Setpoint<F> {
         if self.cycle < self.end {
             self.cycle += 1;
-            self.setpoint = self.evaluate();
+            self.schedule.advance(self.cycle);
         }
-        self.setpoint
+        self.setpoint()
     }
 
     /// The setpoint of the present cycle, once more.
     #[must_use]
+    #[inline]
     pub fn setpoint(&self) -> Setpoint<F> {
-        self.setpoint
+        let due = self.schedule.at(self.cycle, self.cycle_seconds, &self.limits);
+        due.unwrap_or_else(|| Setpoint::at_rest(self.target))
     }
 
     /// Where the axis is commanded to be [axis units].
     #[must_use]
     pub fn position(&self) -> F {
-        self.setpoint.position
+        self.setpoint().position
     }
 
     /// Where the axis goes, or stands [axis units].
@@ -324,12 +314,6 @@ impl<F: Real> Generator<F> {
                 whole.map(|whole| Some(*whole.shape())).ok_or(Refused::TooManyCycles { seconds })
             }
         }
-    }
-
-    #[inline]
-    fn evaluate(&mut self) -> Setpoint<F> {
-        let due = self.schedule.at(self.cycle, self.cycle_seconds, &self.limits);
-        due.unwrap_or_else(|| Setpoint::at_rest(self.target))
     }
 }
 

@@ -13,7 +13,7 @@ const MAX_STRETCHES: usize = 8;
 /// Of t_j, in the width of the generator \[1\]: a joint this little after a cycle is on it. Limits that were rounded to that
 /// width move the joints by about as much, and the acceleration is off by as little of its peak: 0.003 / 0.0001 is
 /// 30.000002 in `f32`, where thirty is meant.
-const LIMIT_SLACK: f64 = 4.0;
+const LIMIT_SLACK: f64 = 2.0;
 /// Of the time of the joint, in `f64` ε \[1\]: the roundings of a time that should be whole.
 const TIME_SLACK: f64 = 4.0 * f64::EPSILON;
 
@@ -116,8 +116,10 @@ impl<F: Real> Schedule<F> {
         }
         // A move that is shorter than its own slack would still have to arrive.
         let end = end.max(1.0);
-        let gap = end - total;
-        let middle = libm::floor(0.5 * total) + 1.0;
+        // A duration that is whole but for its roundings is whole; the joints are counted from it.
+        let gap = if (end - total).abs() <= TIME_SLACK * total { 0.0 } else { end - total };
+        // A cycle in the very middle is in the second half: there the jerk leads on, where there is no cruise.
+        let middle = libm::ceil(0.5 * total - slack(0.5 * total));
 
         let rising = shape.rising();
         let begin =
@@ -149,15 +151,18 @@ impl<F: Real> Schedule<F> {
         Some((Self { stretches, due: 0 }, end as u64))
     }
 
-    /// The setpoint at `cycle`, for cycles in ascending order, none left out; `None` after the end.
+    /// Goes on to `cycle`, the one after the present one.
     #[inline]
-    pub(super) fn at(&mut self, cycle: u64, cycle_time: F, limits: &AxisLimits<F>) -> Option<Setpoint<F>> {
-        let mut stretch = self.stretches.get(self.due)?;
-        if cycle >= stretch.until {
-            // Every stretch has at least one cycle, so the next one is due.
+    pub(super) fn advance(&mut self, cycle: u64) {
+        // Every stretch has at least one cycle, so the one after it is due.
+        if self.stretches.get(self.due).is_some_and(|stretch| cycle >= stretch.until) {
             self.due += 1;
-            stretch = self.stretches.get(self.due)?;
         }
-        Some(stretch.at(cycle, cycle_time, limits))
+    }
+
+    /// The setpoint at the present cycle; `None` after the end.
+    #[inline]
+    pub(super) fn at(&self, cycle: u64, cycle_time: F, limits: &AxisLimits<F>) -> Option<Setpoint<F>> {
+        self.stretches.get(self.due).map(|stretch| stretch.at(cycle, cycle_time, limits))
     }
 }

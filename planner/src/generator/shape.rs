@@ -117,10 +117,10 @@ impl Shape {
     /// `None` where there is nothing to go.
     pub(crate) fn rest_to_rest(distance: f64, limits: &AxisLimits<f64>) -> Option<Self> {
         let AxisLimits { velocity: v, acceleration: a, jerk: j } = *limits;
-        let s = distance.abs();
-        if s == 0.0 {
+        if distance == 0.0 {
             return None;
         }
+        let s = largest(distance.abs(), LEAST_DISTANCE);
         let t_j = least(least(a / j, sqrt(v / j)), libm::cbrt(0.5 * s / j));
         let peak = j * t_j;
         let c = s / peak;
@@ -201,6 +201,10 @@ impl Shape {
         ]
     }
 }
+
+/// Shorter moves take the times of this one [axis units]: under any limits both are over within 1e-40 s, before the first
+/// cycle, and the quotients below do not vanish.
+const LEAST_DISTANCE: f64 = 1e-180;
 
 /// A piece of constant jerk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
