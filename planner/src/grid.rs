@@ -24,7 +24,7 @@
 //! velocity      J′·N_j·N_a  = s/N_v  ≤  s/t_v                  = J·t_j·t_a  ≤ V
 //! ```
 //!
-//! The price is at most three cycles and a bit: each time grows by less than one, or by what keeps them in order.
+//! The price is less than four cycles: `n_j` and `n_a` grow by less than one each, `n_v` by less than one or by what both do.
 //!
 //! Source: the idea that a jerk is a vector with a time resolution of one cycle is from Blejan and Blejan (2020), section 5, who round
 //! the times and keep the jerk, and so end 0.2 and 0.27 mm short of 50 mm.

@@ -486,6 +486,11 @@ proptest! {
         let target = drawn.start + drawn.distance;
         generator.set_target(target).unwrap();
         lawful(&generator, drawn.start, target, drawn.limits, f64::EPSILON);
+        let (start, goal) = (drawn.start as f32, target as f32);
+        let short = Generator::new(narrow(drawn.limits), MS).unwrap().on_whole_cycles();
+        let mut short = short.standing_at(start).unwrap();
+        short.set_target(goal).unwrap();
+        lawful(&short, start, goal, narrow(drawn.limits), f32::EPSILON.into());
         // The jerks alone lead there, too, where no piece is left to a rounding.
         let distance = target - drawn.start;
         let jerks = setpoints(generator).into_iter().map(|setpoint| setpoint.jerk);
@@ -507,7 +512,8 @@ proptest! {
         prop_assert_eq!(MS.count(profile.duration()), Some(whole.total_cycles()));
         prop_assert!(whole.jerk().abs() <= jerk);
         let fastest = drawn.generator(|wide| wide).0.remaining_cycles();
-        prop_assert!((fastest..=fastest + 5).contains(&whole.total_cycles()));
+        // Less than four more, from a duration that may be whole but for its roundings.
+        prop_assert!((fastest..=fastest + 4).contains(&whole.total_cycles()));
     }
 
     #[test]
