@@ -86,6 +86,8 @@ mod cycle;
 mod error;
 mod explain;
 mod float;
+pub mod generator;
+pub mod grid;
 mod limits;
 mod plan;
 mod problem;
