@@ -3,9 +3,9 @@
 use proto::stream::{FromAxis, Open};
 use proto::{Reason, Rejected, pb, request_from_wire, response_to_wire};
 use tokio::sync::mpsc;
-use tokio_util::sync::CancellationToken;
 use tonic::{Status, Streaming};
 
+use crate::Leaving;
 use crate::session::{Event, Output, Session};
 use crate::streams::{Claim, Streams};
 
@@ -19,14 +19,14 @@ pub(crate) async fn drive(
     outgoing: Outgoing,
     streams: Streams,
     served_by: String,
-    drain: CancellationToken,
+    leaving: Leaving,
 ) {
     let opened = match first_message(&mut incoming).await {
         Ok(open) => begin(open, &streams, &served_by),
         Err(rejected) => Err(rejected),
     };
     match opened {
-        Ok((session, claim, epoch)) => serve(session, claim, epoch, incoming, outgoing, drain).await,
+        Ok((session, claim, epoch)) => serve(session, claim, epoch, incoming, outgoing, leaving).await,
         // Nobody to tell is not a failure.
         Err(rejected) => {
             tracing::info!(reason = %rejected.reason, "stream refused");
@@ -62,7 +62,7 @@ async fn serve(
     epoch: u64,
     mut incoming: Incoming,
     outgoing: Outgoing,
-    drain: CancellationToken,
+    leaving: Leaving,
 ) {
     let (mut superseded, mut drained) = (false, false);
     while !session.is_over() {
@@ -75,10 +75,11 @@ async fn serve(
                     session.handle(Event::Superseded { by });
                 }
             }
-            () = drain.cancelled(), if !drained => {
+            () = leaving.soon.cancelled(), if !drained => {
                 drained = true;
                 session.handle(Event::Drain);
             }
+            () = leaving.now.cancelled(), if !session.is_ending() => session.handle(Event::Leave),
             event = next_event(&mut incoming), if !session.is_ending() => session.handle(event),
             permit = outgoing.reserve(), if session.has_output() => {
                 let Ok(permit) = permit else { return };

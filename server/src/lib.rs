@@ -84,13 +84,13 @@ impl Server {
     pub async fn run(self, stop: impl Future<Output = ()> + Send + 'static) -> Result<(), ServerError> {
         let Self { config, listener, address } = self;
         let served_by = config.served_by.clone().unwrap_or_else(|| address.to_string());
-        let drain = CancellationToken::new();
+        let leaving = Leaving::default();
         let streams = Streams::new(config.max_streams);
         let size = config.max_message_bytes;
         let planner = PlannerServiceServer::new(Planner::new(config.max_sample_cycles))
             .max_decoding_message_size(size)
             .max_encoding_message_size(size);
-        let setpoints = SetpointServiceServer::new(Setpoints::new(streams, served_by, drain.clone()))
+        let setpoints = SetpointServiceServer::new(Setpoints::new(streams, served_by, leaving.clone()))
             .max_decoding_message_size(size)
             .max_encoding_message_size(size);
 
@@ -115,33 +115,49 @@ impl Server {
             .add_service(setpoints);
 
         tracing::info!(%address, "serving");
-        let stopping = CancellationToken::new();
-        let stopped = stopping.clone();
+        let Leaving { soon, now } = leaving;
+        let told = soon.clone();
         let drain_then_stop = async move {
             stop.await;
             tracing::info!("draining: no new work, streams are told to move over");
             health.set_not_serving::<PlannerServiceServer<Planner>>().await;
             health.set_not_serving::<SetpointServiceServer<Setpoints>>().await;
-            drain.cancel();
-            stopped.cancel();
+            told.cancel();
         };
         let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
         let serving = router.serve_with_incoming_shutdown(incoming, drain_then_stop);
+        let mut serving = std::pin::pin!(serving);
         let deadline = async {
-            stopping.cancelled().await;
+            soon.cancelled().await;
             #[expect(clippy::disallowed_methods, reason = "the deadline of the drain is a time by itself")]
             tokio::time::sleep(config.drain_deadline).await;
         };
         tokio::select! {
-            served = serving => served?,
-            () = deadline => tracing::warn!(
-                deadline_s = config.drain_deadline.as_secs_f64(),
-                "streams are still open at the deadline, leaving"
-            ),
+            served = &mut serving => return Ok(served?),
+            () = deadline => {}
+        }
+        let deadline_s = config.drain_deadline.as_secs_f64();
+        tracing::warn!(deadline_s, "streams are still open at the deadline, leaving");
+        now.cancel();
+        // Long enough to say so; who does not listen is left.
+        if let Ok(served) = tokio::time::timeout(FAREWELL, serving).await {
+            served?;
         }
         Ok(())
     }
 }
+
+/// How a server leaves: it says so, and later it goes.
+#[derive(Clone, Debug, Default)]
+struct Leaving {
+    /// Streams are told to move over, and no new ones begin.
+    soon: CancellationToken,
+    /// The deadline has passed: what is still open ends.
+    now: CancellationToken,
+}
+
+/// How long it may take to tell streams that they end at the deadline.
+const FAREWELL: Duration = Duration::from_millis(500);
 
 /// How often a silent connection is asked whether it is still there, and how long it may take to answer: half-open
 /// connections end, and their sessions with them.

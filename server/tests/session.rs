@@ -318,6 +318,14 @@ fn a_drain_is_told_once_and_the_stream_goes_on() {
 }
 
 #[test]
+fn a_server_that_leaves_says_so() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    stage.handle(Event::Drain);
+    stage.handle(Event::Leave);
+    assert_eq!(stage.reason(), Reason::Draining);
+}
+
+#[test]
 fn an_open_with_a_past_is_refused() {
     let rejected = Session::open(Open { executed_cycle: 7, ..open(plan(0.0)) }, "test").unwrap_err();
     assert_eq!(rejected.reason, Reason::ProtocolOrder);

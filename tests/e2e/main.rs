@@ -11,3 +11,4 @@ mod bad_plans;
 mod bad_streams;
 mod plan_then_stream;
 mod standing_services;
+mod tracking;

@@ -17,6 +17,7 @@ use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::Open;
 use server::{Config, Server};
+use sim_axis::SimAxis;
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 use tonic::transport::{Channel, Endpoint};
@@ -86,6 +87,37 @@ impl Loopback {
     /// Waits until the server has stopped.
     pub async fn stopped(self) {
         self.serving.await.expect("the server stops by itself");
+    }
+}
+
+/// A real axis simulator behind real gRPC, on this machine alone.
+#[derive(Debug)]
+pub struct LoopbackAxis {
+    address: SocketAddr,
+    serving: JoinHandle<()>,
+}
+
+impl LoopbackAxis {
+    /// A simulator of ideal axes.
+    pub async fn start() -> Self {
+        let axis = SimAxis::bind(sim_axis::Config::loopback()).await.expect("a free port");
+        let address = axis.address();
+        let serving = tokio::spawn(async move {
+            axis.run(std::future::pending()).await.expect("served");
+        });
+        Self { address, serving }
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn endpoint(&self) -> String {
+        format!("http://{}", self.address)
+    }
+}
+
+impl Drop for LoopbackAxis {
+    fn drop(&mut self) {
+        self.serving.abort();
     }
 }
 

@@ -3,10 +3,10 @@ use proto::pb::setpoint_service_server::SetpointService;
 use proto::{Reason, Rejected};
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
-use tokio_util::sync::CancellationToken;
 use tonic::{Request, Response, Status, Streaming};
 
 use super::not_implemented;
+use crate::Leaving;
 use crate::drive;
 use crate::streams::Streams;
 
@@ -18,12 +18,12 @@ const AHEAD: usize = 4;
 pub(crate) struct Setpoints {
     streams: Streams,
     served_by: String,
-    drain: CancellationToken,
+    leaving: Leaving,
 }
 
 impl Setpoints {
-    pub(crate) fn new(streams: Streams, served_by: String, drain: CancellationToken) -> Self {
-        Self { streams, served_by, drain }
+    pub(crate) fn new(streams: Streams, served_by: String, leaving: Leaving) -> Self {
+        Self { streams, served_by, leaving }
     }
 }
 
@@ -35,13 +35,13 @@ impl SetpointService for Setpoints {
         &self,
         request: Request<Streaming<pb::StreamSetpointsRequest>>,
     ) -> Result<Response<Self::StreamSetpointsStream>, Status> {
-        if self.drain.is_cancelled() {
+        if self.leaving.soon.is_cancelled() {
             let text = "this server is about to leave: open the stream on another";
             return Err(Rejected::new(Reason::Draining, text).into());
         }
         let (sender, receiver) = mpsc::channel(AHEAD);
-        let Self { streams, served_by, drain } = self.clone();
-        tokio::spawn(drive::drive(request.into_inner(), sender, streams, served_by, drain));
+        let Self { streams, served_by, leaving } = self.clone();
+        tokio::spawn(drive::drive(request.into_inner(), sender, streams, served_by, leaving));
         Ok(Response::new(ReceiverStream::new(receiver)))
     }
 

@@ -41,6 +41,8 @@ pub enum Event {
     },
     /// This server is about to leave.
     Drain,
+    /// This server leaves now.
+    Leave,
 }
 
 /// Everything that a session does.
@@ -165,6 +167,10 @@ impl Session {
                 self.tell(StreamEventKind::Superseded, self.credit.executed());
                 let text = format!("the stream was opened again under epoch {by}: this one is over");
                 self.end(Err(Rejected::new(Reason::EpochSuperseded, text).with("current_epoch", by)));
+            }
+            Event::Leave => {
+                let text = "this server has left: open the stream on another";
+                self.end(Err(Rejected::new(Reason::Draining, text)));
             }
             Event::Drain if self.drained => {}
             Event::Drain => {
