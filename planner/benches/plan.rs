@@ -17,18 +17,19 @@ mod common;
 use std::hint::black_box;
 
 use common::Random;
-use common::peer::{self, Peer};
+use common::peer::{self, Draw, Peer};
 use criterion::{Criterion, criterion_group, criterion_main};
 use planner::{Problem, plan_move, violations};
 
 const PROBLEMS: usize = 4096;
 
 /// Problems that both can do, with the same answer.
-fn problems(rest_to_rest: bool) -> Vec<Problem> {
+fn problems(rest_to_rest: bool, asymmetric: bool) -> Vec<Problem> {
+    let draw = Draw { rest_to_rest, asymmetric, wide: false };
     let (mut random, mut peer) = (Random(3), Peer::new());
     let mut problems = Vec::with_capacity(PROBLEMS);
     while problems.len() < PROBLEMS {
-        let problem = peer::problem(&mut random, rest_to_rest, false);
+        let problem = peer::problem(&mut random, draw);
         let ours = plan_move(&problem).unwrap();
         assert_eq!(violations(&ours.to_profile(), problem.limits(), problem.goal()), []);
         if let Some(theirs) = peer.duration(&peer::input(&problem)) {
@@ -54,8 +55,10 @@ fn compare(criterion: &mut Criterion, name: &str, problems: &[Problem]) {
 }
 
 fn plans(criterion: &mut Criterion) {
-    compare(criterion, "plan/rest_to_rest", &problems(true));
-    compare(criterion, "plan/start_and_end_velocity", &problems(false));
+    compare(criterion, "plan/rest_to_rest", &problems(true, false));
+    compare(criterion, "plan/asymmetric_rest_to_rest", &problems(true, true));
+    compare(criterion, "plan/start_and_end_velocity", &problems(false, false));
+    compare(criterion, "plan/asymmetric_start_and_end_velocity", &problems(false, true));
 }
 
 criterion_group!(benches, plans);

@@ -100,7 +100,7 @@ mod state;
 mod verify;
 
 pub use certified::{Accepted, Judged, Rejection};
-pub use classify::{Classification, EightType};
+pub use classify::{AsymmetricType, Classification, EightType, SixCase};
 pub use cycle::{CycleTime, LAST_CYCLE};
 pub use error::{Field, InvalidField, InvalidFields, Why};
 pub use explain::{Binding, Explanation, explain};
@@ -114,7 +114,7 @@ pub use request::{
 };
 pub use segment::{Law, Segment, Setpoint};
 pub use short_path::ShortPathPolicy;
-pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_stop};
+pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_stop, plan_trapezoid};
 pub use state::State;
 pub use verify::{
     Certificate, EndCheck, JOIN_TOLERANCE, JoinCheck, LIMIT_TOLERANCE, LimitCheck, Violation, certify,

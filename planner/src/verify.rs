@@ -243,6 +243,12 @@ fn part(state: &State, quantity: Quantity) -> f64 {
     }
 }
 
+/// The fastest at the start, at the end and where pieces meet: what tells a speed from a rounded zero.
+fn fastest_join(profile: &Profile) -> f64 {
+    let begins = profile.segments().iter().map(|segment| segment.start.velocity.abs());
+    begins.fold(profile.end().velocity.abs(), f64::max)
+}
+
 /// The largest difference at a join, and when; before the first piece and after the last nothing is joined.
 fn worst_jump(profile: &Profile, of: impl Fn(&State) -> f64) -> (f64, f64) {
     let ends = profile.segments().iter().map(|segment| of(&segment.end()));
@@ -293,6 +299,8 @@ struct Extremes {
     acceleration: Worst,
     jerk: Worst,
     hardest: f64,
+    /// A speed up to this is a rounded zero.
+    zero: f64,
 }
 
 impl Extremes {
@@ -306,6 +314,7 @@ impl Extremes {
             acceleration: Worst::NONE,
             jerk: Worst::NONE,
             hardest: 0.0,
+            zero: VELOCITY_ULPS * f64::EPSILON * fastest_join(profile),
         };
         for (begin, segment) in profile.timed_segments() {
             extremes.see_segment(begin, segment, limits);
@@ -331,8 +340,14 @@ impl Extremes {
         let Setpoint { state: State { position, velocity, acceleration }, jerk } = setpoint;
         widen(&mut self.least_position, &mut self.greatest_position, position, time);
         widen(&mut self.least_velocity, &mut self.greatest_velocity, velocity, time);
-        let speeds_up = acceleration * travel >= 0.0;
-        let hardest = if speeds_up { limits.acceleration() } else { limits.deceleration() };
+        let hardest = if travel.abs() <= self.zero {
+            // Which of both it does is a matter of rounding.
+            limits.acceleration().max(limits.deceleration())
+        } else if acceleration * travel >= 0.0 {
+            limits.acceleration()
+        } else {
+            limits.deceleration()
+        };
         self.acceleration.see_magnitude(acceleration, hardest, time);
         self.jerk.see_magnitude(jerk, limits.jerk(), time);
         self.hardest = self.hardest.max(acceleration.abs());
