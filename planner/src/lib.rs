@@ -64,6 +64,7 @@
 //! 2. [`Limits`], [`Problem`]: what may be asked. [`ShortPathPolicy`]: what to give up on a path too short.
 //! 3. [`plan_move`], [`Move`]: from a problem to its pieces, on the stack. Inside: the ramp between two speeds, the peak above
 //!    both, the nearest speed that a short path can reach. [`Classification`] names the shape as the papers do.
+//!    [`plan_trapezoid`] is the baseline: constant acceleration, and no limit on the jerk.
 //! 4. [`Request`], [`plan()`], [`Plan`], [`Sampler`]: several axes over one time base, read cycle by cycle.
 //! 5. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when. [`Judged`],
 //!    [`Accepted`]: a plan with both, and one that may be executed.
