@@ -45,7 +45,7 @@ fn compare(criterion: &mut Criterion, name: &str, problems: &[Problem]) {
     let mut group = criterion.benchmark_group(name);
     let mut cycle = problems.iter().cycle();
     group.bench_function("ours", |bencher| {
-        bencher.iter(|| black_box(plan_move(black_box(cycle.next().unwrap()))).is_ok());
+        bencher.iter(|| black_box(&plan_move(black_box(cycle.next().unwrap()))).is_ok());
     });
     let (mut cycle, mut peer) = (inputs.iter().cycle(), Peer::new());
     group.bench_function("rsruckig", |bencher| {

@@ -121,48 +121,65 @@ impl Peak {
         0.5 * ((2.0 * faster + rise) * ramps.near.time() + (sum + rise) * ramps.far.time())
     }
 
+    /// `S` at the speed `rise` above the faster end.
+    fn two_ramps(&self, rise: f64) -> f64 {
+        self.length_of(rise, &self.ramps(Rise::to(rise)))
+    }
+
     /// How far the peak rises above the faster end where there is no cruise: the root of `S = length`, which is at most
     /// `room`, so that only the shapes that fit into that need to be asked about.
     fn rise(&self, room: f64) -> Rise {
-        let Sides { gap, near, far, .. } = self.sides;
+        let Sides { faster, gap, near, far, .. } = self.sides;
         // Where the near and the far ramp begin to reach their limits.
         let near_bend = near * near / self.jerk;
         let far_bend = if ramp::reaches(gap, far, self.jerk) { 0.0 } else { far * far / self.jerk - gap };
-        let passes =
-            |bend: f64| bend <= room && self.length >= self.length_of(bend, &self.ramps(Rise::to(bend)));
-        if passes(largest(near_bend, far_bend)) {
-            return self.rise_both_reach();
+        // A ladder over less than its corner takes longer than the triangle that belongs there, so the rise as if both were
+        // ladders is too small where they are not, and beyond both bends just where they are.
+        let upper = largest(near_bend, far_bend);
+        if upper <= room {
+            let rise = self.rise_both_reach();
+            if rise.change >= upper {
+                return rise;
+            }
         }
         let lower = least(near_bend, far_bend);
-        if lower > 0.0 && !passes(lower) {
+        if faster == 0.0 {
+            // And as if both were triangles it is too large where they are not.
+            let rise = self.rise_from_rest();
+            return if rise.change <= lower { rise } else { self.rise_far_reaches(rise.root) };
+        }
+        if lower > 0.0 && !(lower <= room && self.length >= self.two_ramps(lower)) {
             return self.rise_none_reaches();
         }
-        if far_bend <= near_bend { self.rise_far_reaches() } else { self.rise_near_reaches() }
+        if far_bend <= near_bend { self.rise_far_reaches(f64::INFINITY) } else { self.rise_near_reaches() }
     }
 
     /// Both ramps are ladders: `u²·(1/n + 1/f)/2 + b·u = r`, type 5.
     fn rise_both_reach(&self) -> Rise {
         let Sides { faster, sum, gap, near, far, .. } = self.sides;
-        let (near_time, far_time) = (near / self.jerk, far / self.jerk);
-        let rest = self.length - (faster * near_time + 0.5 * sum * gap / far + 0.5 * sum * far_time);
-        let b = faster / near + faster / far + 0.5 * (near_time + far_time);
-        let square = 2.0 * rest / near + 2.0 * rest / far;
-        let change = 2.0 * rest / (b + sqrt(b * b + square));
+        let (both, slopes) = (near + far, (near + far) / (near * far));
+        let flat = faster * near + 0.5 * sum * far;
+        let rest = largest(0.0, self.length - flat / self.jerk - 0.5 * sum * gap / far);
+        let b = faster * slopes + 0.5 * both / self.jerk;
+        let change = 2.0 * rest / (b + sqrt(b * b + 2.0 * rest * slopes));
         Rise { change, root: sqrt(change) }
     }
 
-    /// The near ramp is a triangle, the far one a ladder: a quartic in `q = √u`, types 6 and 7.
-    fn rise_far_reaches(&self) -> Rise {
+    /// The near ramp is a triangle, the far one a ladder: a quartic in `q = √u`, types 6 and 7. `start` is at or above
+    /// the root.
+    fn rise_far_reaches(&self, start: f64) -> Rise {
         let Sides { faster, sum, gap, far, .. } = self.sides;
         let root_of_jerk = sqrt(self.jerk);
         let jerk_time = far / self.jerk;
         let flat = gap / far + jerk_time;
         let rest = largest(0.0, self.length - 0.5 * sum * flat);
         let linear = 0.5 * ((gap + sum) / far + jerk_time);
-        let bound = least(
-            least(libm::cbrt(rest * root_of_jerk), sqrt(rest / linear)),
-            least(sqrt(sqrt(2.0 * far * rest)), rest * root_of_jerk / (2.0 * faster)),
-        );
+        let bound = least(sqrt(rest / linear), sqrt(sqrt(2.0 * far * rest)));
+        let bound = if start < f64::INFINITY {
+            least(start, bound)
+        } else {
+            least(least(libm::cbrt(rest * root_of_jerk), rest * root_of_jerk / (2.0 * faster)), bound)
+        };
         let root = fall_to_root(bound, |q| {
             let u = q * q;
             let value = (2.0 * faster + u) * q / root_of_jerk + u * (0.5 * u / far + linear) - rest;
@@ -194,17 +211,18 @@ impl Peak {
         Rise::to(root * (root + 2.0 * root_of_gap))
     }
 
+    /// Both ramps are triangles and both ends at rest: `2·q³ = length·√j`.
+    fn rise_from_rest(&self) -> Rise {
+        let root = libm::cbrt(0.5 * self.length * sqrt(self.jerk));
+        Rise { change: root * root, root }
+    }
+
     /// Both ramps are triangles, so that no limit matters: type 8A.
     fn rise_none_reaches(&self) -> Rise {
         let Sides { faster, sum, gap, .. } = self.sides;
         let root_of_gap = sqrt(gap);
         let rest = largest(0.0, self.length * sqrt(self.jerk) - sum * root_of_gap);
-        let cube = libm::cbrt(0.5 * rest);
-        if faster == 0.0 {
-            // From rest to rest: 2·q³ = length·√j.
-            return Rise { change: cube * cube, root: cube };
-        }
-        let bound = least(cube, rest / (2.0 * faster));
+        let bound = least(libm::cbrt(0.5 * rest), rest / (2.0 * faster));
         if bound == 0.0 {
             return Rise::default();
         }
