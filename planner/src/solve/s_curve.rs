@@ -130,6 +130,9 @@ impl Peak {
     /// `room`, so that only the shapes that fit into that need to be asked about.
     fn rise(&self, room: f64) -> Rise {
         let Sides { faster, gap, near, far, .. } = self.sides;
+        if faster == 0.0 {
+            return self.rise_from_rest();
+        }
         // Where the near and the far ramp begin to reach their limits.
         let near_bend = near * near / self.jerk;
         let far_bend = if ramp::reaches(gap, far, self.jerk) { 0.0 } else { far * far / self.jerk - gap };
@@ -143,15 +146,10 @@ impl Peak {
             }
         }
         let lower = least(near_bend, far_bend);
-        if faster == 0.0 {
-            // And as if both were triangles it is too large where they are not.
-            let rise = self.rise_from_rest();
-            return if rise.change <= lower { rise } else { self.rise_far_reaches(rise.root) };
-        }
         if lower > 0.0 && !(lower <= room && self.length >= self.two_ramps(lower)) {
             return self.rise_none_reaches();
         }
-        if far_bend <= near_bend { self.rise_far_reaches(f64::INFINITY) } else { self.rise_near_reaches() }
+        if far_bend <= near_bend { self.rise_far_reaches() } else { self.rise_near_reaches() }
     }
 
     /// Both ramps are ladders: `u²·(1/n + 1/f)/2 + b·u = r`, type 5.
@@ -165,25 +163,24 @@ impl Peak {
         Rise { change, root: sqrt(change) }
     }
 
-    /// The near ramp is a triangle, the far one a ladder: a quartic in `q = √u`, types 6 and 7. `start` is at or above
-    /// the root.
-    fn rise_far_reaches(&self, start: f64) -> Rise {
+    /// The near ramp is a triangle, the far one a ladder: a quartic in `q = √u`, types 6 and 7.
+    fn rise_far_reaches(&self) -> Rise {
         let Sides { faster, sum, gap, far, .. } = self.sides;
         let root_of_jerk = sqrt(self.jerk);
         let jerk_time = far / self.jerk;
         let flat = gap / far + jerk_time;
-        let rest = largest(0.0, self.length - 0.5 * sum * flat);
-        let linear = 0.5 * ((gap + sum) / far + jerk_time);
-        let bound = least(sqrt(rest / linear), sqrt(sqrt(2.0 * far * rest)));
-        let bound = if start < f64::INFINITY {
-            least(start, bound)
-        } else {
-            least(least(libm::cbrt(rest * root_of_jerk), rest * root_of_jerk / (2.0 * faster)), bound)
-        };
+        // Times √j, so that no step divides but by the slope.
+        let rest = largest(0.0, self.length - 0.5 * sum * flat) * root_of_jerk;
+        let linear = 0.5 * ((gap + sum) / far + jerk_time) * root_of_jerk;
+        let square = 0.5 * root_of_jerk / far;
+        let bound = least(
+            least(libm::cbrt(rest), sqrt(rest / linear)),
+            least(sqrt(sqrt(rest / square)), rest / (2.0 * faster)),
+        );
         let root = fall_to_root(bound, |q| {
             let u = q * q;
-            let value = (2.0 * faster + u) * q / root_of_jerk + u * (0.5 * u / far + linear) - rest;
-            let slope = (2.0 * faster + 3.0 * u) / root_of_jerk + q * (2.0 * u / far + 2.0 * linear);
+            let value = (2.0 * faster + u) * q + u * (u * square + linear) - rest;
+            let slope = 2.0 * faster + 3.0 * u + q * (4.0 * u * square + 2.0 * linear);
             (value, slope)
         });
         Rise { change: root * root, root }
@@ -211,9 +208,22 @@ impl Peak {
         Rise::to(root * (root + 2.0 * root_of_gap))
     }
 
-    /// Both ramps are triangles and both ends at rest: `2·q³ = length·√j`.
+    /// Both ends at rest: every shape in closed form. With `h ≥ l` the limits, `2·s·j²` tells the shapes apart.
+    ///
+    /// Both triangles: `2·q³ = s·√j`. One of them, the paper's case without an analytic solution: `S` is a square there,
+    /// `(q·(q + l/√j))²/2l`, so that `q² + q·l/√j = √(2·l·s)`.
     fn rise_from_rest(&self) -> Rise {
-        let root = libm::cbrt(0.5 * self.length * sqrt(self.jerk));
+        let Sides { near: high, far: low, .. } = self.sides;
+        let way = 2.0 * self.length * self.jerk * self.jerk;
+        let both = high * (high + low);
+        let root = if way <= 4.0 * low * low * low {
+            libm::cbrt(0.5 * self.length * sqrt(self.jerk))
+        } else if low * way < both * both {
+            let (b, square) = (low / sqrt(self.jerk), sqrt(2.0 * low * self.length));
+            2.0 * square / (b + sqrt(b * b + 4.0 * square))
+        } else {
+            return self.rise_both_reach();
+        };
         Rise { change: root * root, root }
     }
 
