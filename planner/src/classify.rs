@@ -235,3 +235,11 @@ pub struct Classification {
     /// The largest speed reached [axis units/s], a magnitude.
     pub feed_rate: f64,
 }
+
+impl Classification {
+    /// The greatest speed alone, for what no paper names.
+    #[must_use]
+    pub fn of_speed(feed_rate: f64) -> Self {
+        Self { feed_rate, ..Self::default() }
+    }
+}

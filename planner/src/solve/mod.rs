@@ -43,18 +43,12 @@ pub fn plan_move(problem: &Problem) -> Result<Move, InvalidFields> {
     let lane = Lane::of(problem, direction);
     let (shape, reason) =
         shape(&lane, problem.short_path()).map_err(|refusal| refusal.of(&lane, direction))?;
-    // Made in the place that is returned: copying seven pieces takes as long as laying two.
-    let mut planned = Ok(begun(problem, direction, shape.end, shape.peak, reason));
-    if let Ok(planned) = &mut planned {
-        let reached = planned.reached;
-        pieces::lay(&mut planned.pieces, &shape, problem.start(), reached, direction, lane.jerk);
-        planned.classification = if planned.pieces.is_empty() {
-            Classification { feed_rate: lane.start, ..Classification::default() }
-        } else {
-            classify(&lane, &shape)
-        };
-    }
-    planned
+    let (reached, adjustments) = adjusted(problem, direction, shape.end, reason);
+    let mut pieces = ArrayVec::new();
+    pieces::lay(&mut pieces, &shape, problem.start(), reached, direction, lane.jerk);
+    let classification =
+        if pieces.is_empty() { Classification::of_speed(lane.start) } else { classify(&lane, &shape) };
+    Ok(Move { pieces, reached, adjustments, classification })
 }
 
 /// The time-optimal move of constant acceleration in pieces, in the direction of travel: the jerk is not limited, and the
@@ -78,13 +72,11 @@ pub fn plan_trapezoid(problem: &Problem) -> Result<Move, InvalidFields> {
     let lane = Lane::of(problem, direction);
     let (shape, reason) =
         trapezoid(&lane, problem.short_path()).map_err(|refusal| refusal.of(&lane, direction))?;
-    let mut planned = begun(problem, direction, shape.end, shape.peak, reason);
-    let (start, reached) = (problem.start(), planned.reached);
-    pieces::lay_trapezoid(&mut planned.pieces, &shape, start, reached, direction, &lane);
-    if planned.pieces.is_empty() {
-        planned.classification.feed_rate = lane.start;
-    }
-    Ok(planned)
+    let (reached, adjustments) = adjusted(problem, direction, shape.end, reason);
+    let mut pieces = ArrayVec::new();
+    pieces::lay_trapezoid(&mut pieces, &shape, problem.start(), reached, direction, &lane);
+    let classification = Classification::of_speed(if pieces.is_empty() { lane.start } else { shape.peak });
+    Ok(Move { pieces, reached, adjustments, classification })
 }
 
 /// The fastest stop from a constant speed, within `limits`.
@@ -104,21 +96,20 @@ pub fn plan_stop(from: State, limits: &Limits) -> Result<Move, InvalidFields> {
     let length = ramp::length(speed, 0.0, deceleration, jerk);
     let reached = State::at_rest(from.position + direction * length);
     within_range(reached.position, down.time(), limits)?;
-    let classification = Classification { feed_rate: speed, ..Classification::default() };
+    let classification = Classification::of_speed(speed);
     let mut stop = Move { pieces: ArrayVec::new(), reached, adjustments: ArrayVec::new(), classification };
     let shape = Shape::one_ramp(EightType::Type8C, Ramp::default(), down, speed, 0.0);
     pieces::lay(&mut stop.pieces, &shape, from, reached, direction, jerk);
     Ok(stop)
 }
 
-/// A move without its pieces: where it ends, and what is not as asked.
-fn begun(
+/// Where a move ends, and what is not as asked.
+fn adjusted(
     problem: &Problem,
     direction: f64,
     end: f64,
-    feed_rate: f64,
     reason: Option<AdjustmentReason>,
-) -> Move {
+) -> (State, ArrayVec<Adjustment, 2>) {
     let mut adjustments = ArrayVec::new();
     let fastest = problem.limits().velocity_towards(direction);
     if let Some(asked) = problem.limits().spec().feed_rate.filter(|&feed_rate| feed_rate > fastest) {
@@ -131,18 +122,14 @@ fn begun(
         let (asked, planned) = (problem.goal().velocity, reached.velocity);
         adjustments.push(Adjustment { quantity: Quantity::Velocity, asked, planned, reason });
     }
-    let classification = Classification { feed_rate, ..Classification::default() };
-    Move { pieces: ArrayVec::new(), reached, adjustments, classification }
+    (reached, adjustments)
 }
 
 /// What the papers call a shape.
 fn classify(lane: &Lane, shape: &Shape) -> Classification {
     let symmetric = lane.is_symmetric();
-    let mut names = Classification {
-        eight_type: symmetric.then_some(shape.kind),
-        feed_rate: shape.peak,
-        ..Classification::default()
-    };
+    let mut names = Classification::of_speed(shape.peak);
+    names.eight_type = symmetric.then_some(shape.kind);
     if lane.is_from_rest_to_rest() {
         let Lane { length, cruise, acceleration, deceleration, jerk, .. } = *lane;
         // Strictly: at the limit for an instant is not constant.

@@ -5,7 +5,7 @@ use crate::{Classification, Law, Profile, Quantity, Segment, Setpoint, State};
 /// The most pieces of a planned move: three to speed up, one to cruise, three to slow down.
 pub const MAX_PIECES: usize = 7;
 
-/// The answer to a [`Problem`]: pieces on the stack, and everything that is not as it was asked.
+/// The answer to a [`Problem`](crate::Problem): pieces on the stack, and everything that is not as it was asked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
     pub(super) pieces: ArrayVec<Piece, MAX_PIECES>,
