@@ -64,6 +64,7 @@
 //! 2. [`Limits`], [`Problem`]: what may be asked. [`ShortPathPolicy`]: what to give up on a path too short.
 //! 3. [`plan_move`], [`Move`]: from a problem to its pieces, on the stack. Inside: the ramp between two speeds, the peak above
 //!    both, the nearest speed that a short path can reach. [`Classification`] names the shape as the papers do.
+//!    [`plan_trapezoid`] is the baseline: constant acceleration, and no limit on the jerk.
 //! 4. [`Request`], [`plan()`], [`Plan`], [`Sampler`]: several axes over one time base, read cycle by cycle.
 //! 5. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when. [`Judged`],
 //!    [`Accepted`]: a plan with both, and one that may be executed.
@@ -102,7 +103,7 @@ mod state;
 mod verify;
 
 pub use certified::{Accepted, Judged, Rejection};
-pub use classify::{Classification, EightType};
+pub use classify::{AsymmetricType, Classification, EightType, SixCase};
 pub use cycle::{CycleTime, LAST_CYCLE};
 pub use error::{Field, InvalidField, InvalidFields, Why};
 pub use explain::{Binding, Explanation, explain};
@@ -116,7 +117,7 @@ pub use request::{
 };
 pub use segment::{Law, Segment, Setpoint};
 pub use short_path::ShortPathPolicy;
-pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_stop};
+pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_stop, plan_trapezoid};
 pub use state::State;
 pub use verify::{
     Certificate, EndCheck, JOIN_TOLERANCE, JoinCheck, LIMIT_TOLERANCE, LimitCheck, Violation, certify,

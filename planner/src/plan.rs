@@ -3,8 +3,10 @@ use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidFields, Why};
 use crate::request::{AxisKind, AxisMove, Family, Request, Synchronization};
-use crate::solve::{Adjustment, AdjustmentReason, plan_move, plan_stop};
-use crate::{Classification, Cursor, CycleTime, Limits, Profile, Quantity, Setpoint, ShortPathPolicy, State};
+use crate::solve::{Adjustment, AdjustmentReason, Move, plan_move, plan_stop, plan_trapezoid};
+use crate::{
+    Classification, Cursor, CycleTime, Limits, Problem, Profile, Quantity, Setpoint, ShortPathPolicy, State,
+};
 
 /// How a plan was made, so that an operation on it can be planned the same way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -256,12 +258,13 @@ impl Sampler<'_> {
 /// Plans every axis of a request.
 ///
 /// # Errors
-/// Those of [`plan_move`] for each axis, all at once, with the axis in the path; more cycles than can be counted.
+/// Those of [`plan_move`] or [`plan_trapezoid`] for each axis, all at once, with the axis in the path; more cycles than can be counted.
 pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
     let mut invalid = InvalidFields::default();
     let mut axes = Vec::with_capacity(request.axes().len());
+    let (family, solve) = (request.family(), solver(request.family()));
     for (index, AxisMove { axis, kind, problem }) in request.axes().iter().enumerate() {
-        let Some(planned) = invalid.take(&Field::element("axes", index), plan_move(problem)) else {
+        let Some(planned) = invalid.take(&Field::element("axes", index), solve(problem)) else {
             continue;
         };
         axes.push(AxisPlan {
@@ -278,12 +281,23 @@ pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
         return Err(invalid);
     }
     let method = Method {
-        family: Family::SCurve,
-        order: 3,
+        family,
+        order: if family == Family::Trapezoidal { 2 } else { 3 },
         short_path: request.short_path(),
         synchronization: request.synchronization(),
         end_on_cycle: false,
     };
-    let guaranteed = alloc::vec![Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk];
+    let mut guaranteed = alloc::vec![Quantity::Velocity, Quantity::Acceleration];
+    if family != Family::Trapezoidal {
+        guaranteed.push(Quantity::Jerk);
+    }
     Plan::new(method, guaranteed, request.cycle_time(), axes)
+}
+
+/// What plans one axis with a shape of `family`; a [`Request`] is of no other one.
+fn solver(family: Family) -> fn(&Problem) -> Result<Move, InvalidFields> {
+    match family {
+        Family::Trapezoidal => plan_trapezoid,
+        Family::SCurve | Family::Polynomial | Family::Trigonometric => plan_move,
+    }
 }

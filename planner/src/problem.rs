@@ -17,7 +17,7 @@ impl Problem {
     ///
     /// # Errors
     /// Every field of `start` and `goal` that is not finite or not within `limits`, and what only a general solver can
-    /// do: velocities against the travel, accelerations at the ends, deceleration unlike acceleration.
+    /// do: velocities against the travel, accelerations at the ends.
     pub fn new(
         start: State,
         goal: State,
@@ -145,11 +145,5 @@ fn passable(invalid: &mut InvalidFields, start: &State, goal: &State, limits: &L
         let (given, allowed) = (goal.position, start.position);
         let limit = "limits.max_velocity_reverse";
         invalid.note("goal.position", Some(Why::GoalOutsideLimits { given, allowed, limit }));
-    }
-    #[expect(clippy::float_cmp, reason = "the same number given twice is the same limit")]
-    if limits.deceleration() != limits.acceleration() {
-        let what = "a deceleration unlike the acceleration";
-        let instead = "give max_deceleration the value of max_acceleration, or leave it out";
-        invalid.note("limits.max_deceleration", Some(Why::NotImplemented { what, instead }));
     }
 }

@@ -25,7 +25,8 @@ pub enum Family {
     /// Third order: constant jerk in pieces.
     #[default]
     SCurve,
-    /// Second order: constant acceleration in pieces.
+    /// Second order: constant acceleration in pieces. The acceleration jumps, so no jerk is guaranteed, and the limit on
+    /// it, which every request states, is not used.
     Trapezoidal,
     /// Order n, rest to rest.
     Polynomial,
@@ -97,6 +98,7 @@ pub struct AxisMove {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     axes: Vec<AxisMove>,
+    family: Family,
     cycle_time: CycleTime,
     short_path: ShortPathPolicy,
     synchronization: Synchronization,
@@ -107,6 +109,12 @@ impl Request {
     #[must_use]
     pub fn axes(&self) -> &[AxisMove] {
         &self.axes
+    }
+
+    /// The family of shapes.
+    #[must_use]
+    pub fn family(&self) -> Family {
+        self.family
     }
 
     /// The time between two setpoints.
@@ -144,7 +152,7 @@ impl TryFrom<RequestSpec> for Request {
         } = spec;
         let mut invalid = InvalidFields::default();
         let several = axes.len() > 1;
-        invalid.note("family", family.clone().err().or(family.ok().and_then(family_gap)));
+        invalid.note("family", family.clone().err().or(family.clone().ok().and_then(family_gap)));
         invalid.note("order", order.map(order_gap));
         invalid.note("minimum_duration", minimum_duration.map(minimum_duration_gap));
         invalid.note("end_on_cycle", end_on_cycle.then(end_on_cycle_gap));
@@ -156,7 +164,8 @@ impl TryFrom<RequestSpec> for Request {
         let axes = checked_axes(&mut invalid, axes, policy);
         match cycle_time {
             Some(cycle_time) if invalid.is_empty() => {
-                Ok(Self { axes, cycle_time, short_path: policy, synchronization: mode })
+                let family = family.unwrap_or_default();
+                Ok(Self { axes, family, cycle_time, short_path: policy, synchronization: mode })
             }
             _ => Err(invalid),
         }
@@ -226,8 +235,7 @@ fn checked_axis(
 
 fn family_gap(family: Family) -> Option<Why> {
     let what = match family {
-        Family::SCurve => return None,
-        Family::Trapezoidal => "the family TRAPEZOIDAL",
+        Family::SCurve | Family::Trapezoidal => return None,
         Family::Polynomial => "the family POLYNOMIAL",
         Family::Trigonometric => "the family TRIGONOMETRIC",
     };

@@ -211,25 +211,32 @@ impl Certificate {
         guaranteed: &[Quantity],
     ) {
         let guarantees = |quantity| guaranteed.contains(&quantity);
-        let extremes = Extremes::of(profile, limits);
+        let mut extremes = Extremes::of(profile, limits);
+        let allowed = extremes.allowed(&goal);
+        let last = profile.segments().last().map_or(profile.end(), Segment::end);
+        // A jump in acceleration is an unlimited jerk.
+        let jerks = !guarantees(Quantity::Jerk);
+        let (hardest_jump, jump_time) = worst_jump(profile, jerks, |state| state.acceleration);
+        if jerks && hardest_jump > allowed.acceleration {
+            extremes.jerk.see_magnitude(f64::INFINITY, limits.jerk(), jump_time);
+        }
         self.limits.extend(extremes.worst(limits).map(|(quantity, worst)| {
             let Worst { margin, limit, extremum, at_time } = worst;
             // A position range is promised by being stated.
             let guaranteed = quantity == Quantity::Position || guarantees(quantity);
             LimitCheck { axis: axis.into(), quantity, limit, extremum, at_time, margin, guaranteed }
         }));
-        let allowed = extremes.allowed(&goal);
-        let last = profile.segments().last().map_or(profile.end(), Segment::end);
         for quantity in [Quantity::Position, Quantity::Velocity, Quantity::Acceleration] {
             let of = |state: &State| part(state, quantity);
-            let (worst_jump, at_time) = worst_jump(profile, of);
+            let guaranteed = quantity != Quantity::Acceleration || !jerks;
+            let (worst_jump, at_time) = worst_jump(profile, !guaranteed, of);
             let allowed = of(&allowed);
-            // A jump in acceleration is an unlimited jerk.
-            let guaranteed = quantity != Quantity::Acceleration || guarantees(Quantity::Jerk);
             let join = JoinCheck { axis: axis.into(), quantity, worst_jump, allowed, at_time, guaranteed };
             self.joins.push(join);
             let (end, goal) = (of(&profile.end()), of(&goal));
-            let residual = largest((of(&last) - end).abs(), (end - goal).abs());
+            // What may jump at a join may jump at the end, too, and is counted there.
+            let rest = if guaranteed { (of(&last) - end).abs() } else { 0.0 };
+            let residual = largest(rest, (end - goal).abs());
             self.ends.push(EndCheck { axis: axis.into(), quantity, residual, allowed });
         }
     }
@@ -243,12 +250,20 @@ fn part(state: &State, quantity: Quantity) -> f64 {
     }
 }
 
-/// The largest difference at a join, and when; before the first piece and after the last nothing is joined.
-fn worst_jump(profile: &Profile, of: impl Fn(&State) -> f64) -> (f64, f64) {
+/// The fastest at the start, at the end and where pieces meet: what tells a speed from a rounded zero.
+fn fastest_join(profile: &Profile) -> f64 {
+    let begins = profile.segments().iter().map(|segment| segment.start.velocity.abs());
+    begins.fold(profile.end().velocity.abs(), f64::max)
+}
+
+/// The largest difference at a join, and when. Before the first piece nothing is joined; after the last the end is, where
+/// the motion may jump to it.
+fn worst_jump(profile: &Profile, jumps_to_end: bool, of: impl Fn(&State) -> f64) -> (f64, f64) {
     let ends = profile.segments().iter().map(|segment| of(&segment.end()));
-    let begins = profile.timed_segments().skip(1);
-    ends.zip(begins)
-        .map(|(end, (time, next))| ((of(&next.start) - end).abs(), time))
+    let begins = profile.timed_segments().skip(1).map(|(time, next)| (time, next.start));
+    let end = jumps_to_end.then(|| (profile.duration(), profile.end()));
+    ends.zip(begins.chain(end))
+        .map(|(end, (time, next))| ((of(&next) - end).abs(), time))
         .fold((0.0, 0.0), |worst, jump| if jump.0 <= worst.0 { worst } else { jump })
 }
 
@@ -293,6 +308,8 @@ struct Extremes {
     acceleration: Worst,
     jerk: Worst,
     hardest: f64,
+    /// A speed up to this is a rounded zero.
+    zero: f64,
 }
 
 impl Extremes {
@@ -306,6 +323,7 @@ impl Extremes {
             acceleration: Worst::NONE,
             jerk: Worst::NONE,
             hardest: 0.0,
+            zero: VELOCITY_ULPS * f64::EPSILON * fastest_join(profile),
         };
         for (begin, segment) in profile.timed_segments() {
             extremes.see_segment(begin, segment, limits);
@@ -331,8 +349,14 @@ impl Extremes {
         let Setpoint { state: State { position, velocity, acceleration }, jerk } = setpoint;
         widen(&mut self.least_position, &mut self.greatest_position, position, time);
         widen(&mut self.least_velocity, &mut self.greatest_velocity, velocity, time);
-        let speeds_up = acceleration * travel >= 0.0;
-        let hardest = if speeds_up { limits.acceleration() } else { limits.deceleration() };
+        let hardest = if travel.abs() <= self.zero {
+            // Which of both it does is a matter of rounding.
+            limits.acceleration().max(limits.deceleration())
+        } else if acceleration * travel >= 0.0 {
+            limits.acceleration()
+        } else {
+            limits.deceleration()
+        };
         self.acceleration.see_magnitude(acceleration, hardest, time);
         self.jerk.see_magnitude(jerk, limits.jerk(), time);
         self.hardest = self.hardest.max(acceleration.abs());

@@ -1,23 +1,12 @@
 //! Bui, Le and Doan (2021): the eighteen rows of its table 2, and five hundred moves solved at 60 digits.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::float_cmp,
-    reason = "a test may fail by panicking"
-)]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test may fail by panicking")]
 
-use planner::{Limits, Move, Problem, ShortPathPolicy, State, plan_move};
+mod common;
+
+use common::record::{VELOCITY, check_durations, check_end, check_samples, close};
+use planner::{Limits, Problem, ShortPathPolicy, State, plan_move};
 use serde::Deserialize;
-
-/// Of the total duration [1].
-const DURATION: f64 = 1e-12;
-/// Of the distance [1]; or two units in the last place of the position, whichever is larger.
-const POSITION: f64 = 1e-13;
-/// Of the acceleration limit [1].
-const ACCELERATION: f64 = 1e-11;
-/// Of the peak speed [1].
-const VELOCITY: f64 = 1e-12;
 
 #[derive(Deserialize)]
 struct Record {
@@ -83,48 +72,14 @@ impl Record {
         }
         let total = expected.total.unwrap();
         if !expected.times_ambiguous {
-            close(&name, "total", planned.duration(), total, DURATION * total);
-            self.check_durations(&name, &planned, expected, total);
+            check_durations(&name, &planned, &expected.durations, total);
             let (peak, end) = (expected.v_peak.unwrap(), expected.v_e.unwrap());
             close(&name, "peak", planned.classification().feed_rate, peak.abs(), VELOCITY * peak.abs());
             close(&name, "end velocity", planned.reached().velocity, end, VELOCITY * peak.abs());
-            for &[t, x, v, a] in &expected.samples {
-                let state = planned.at(t).state;
-                close(&name, "position", state.position, x, position_tolerance(self.s, x));
-                close(&name, "velocity", state.velocity, v, VELOCITY * peak.abs());
-                close(&name, "acceleration", state.acceleration, a, ACCELERATION * self.a_max);
-            }
+            check_samples(&name, &planned, &expected.samples, self.s, peak, self.a_max);
         }
-        // The end as integrated, not as stored.
-        let integrated = planned.segments().last().map_or(0.0, |last| last.end().position);
-        close(&name, "end", integrated, self.s, position_tolerance(self.s, self.s));
-        assert_eq!(planned.reached().position, self.s, "{name}: reached");
+        check_end(&name, &planned, self.s);
     }
-
-    fn check_durations(&self, name: &str, planned: &Move, expected: &Expected, total: f64) {
-        let durations: Vec<f64> =
-            expected.durations.iter().copied().filter(|&t| t > DURATION * total).collect();
-        let ours: Vec<f64> = planned
-            .segments()
-            .iter()
-            .map(|segment| segment.duration)
-            .filter(|&t| t > DURATION * total)
-            .collect();
-        assert_eq!(ours.len(), durations.len(), "{name}: {ours:?} {durations:?}");
-        for (ours, expected) in ours.iter().zip(&durations) {
-            close(name, "duration", *ours, *expected, DURATION * total);
-        }
-    }
-}
-
-fn position_tolerance(distance: f64, position: f64) -> f64 {
-    (POSITION * distance.abs()).max(2.0 * f64::EPSILON * position.abs())
-}
-
-#[track_caller]
-fn close(name: &str, what: &str, ours: f64, expected: f64, tolerance: f64) {
-    let off = (ours - expected).abs();
-    assert!(off <= tolerance, "{name}: {what} {ours} is {off:e} from {expected}, allowed {tolerance:e}");
 }
 
 fn records(json: &str) -> Vec<Record> {

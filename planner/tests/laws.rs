@@ -113,13 +113,15 @@ fn check_samples(case: &Case, planned: &Move, parts: &[f64]) {
     let samples: Vec<Setpoint> = times.iter().map(|&t| planned.at(t)).collect();
     let fastest = samples.iter().map(|sample| sample.state.velocity.abs()).fold(0.0, f64::max);
     let farthest = case.start.position.abs().max(case.goal.position.abs());
-    let (cruise, hardest, jerk) = (limits.cruise_towards(direction), limits.acceleration(), limits.jerk());
+    let (cruise, hardest, jerk) = (limits.cruise_towards(direction), case.hardest(), limits.jerk());
     let beyond = 1.0 + 1e-12;
     for sample in &samples {
         let State { velocity, acceleration, .. } = sample.state;
         assert!(velocity.abs() <= cruise * beyond, "velocity {velocity} beyond {cruise}");
         assert!(velocity * direction >= -1e-13 * fastest, "turns back: {velocity}");
-        assert!(acceleration.abs() <= hardest * beyond, "acceleration {acceleration} beyond {hardest}");
+        let speeds_up = acceleration * direction > 0.0;
+        let limit = if speeds_up { limits.acceleration() } else { limits.deceleration() };
+        assert!(acceleration.abs() <= limit * beyond, "acceleration {acceleration} beyond {limit}");
         assert!(sample.jerk.abs() <= jerk * beyond, "jerk {}", sample.jerk);
     }
     for (pair, times) in samples.windows(2).zip(times.windows(2)) {
@@ -137,7 +139,7 @@ fn check_samples(case: &Case, planned: &Move, parts: &[f64]) {
         let sped = to.velocity - from.velocity - 0.5 * step * (from.acceleration + to.acceleration);
         let allowed = jerk * step * step / 4.0;
         assert!(
-            sped.abs() <= allowed * 1.000_001 + noise * (cruise + hardest.min(limits.acceleration()) * total),
+            sped.abs() <= allowed * 1.000_001 + noise * (cruise + hardest.min(case.hardest()) * total),
             "velocity is {sped:e} off its acceleration, allowed {allowed:e}"
         );
         let hardened = (to.acceleration - from.acceleration).abs();
@@ -159,7 +161,7 @@ fn check_mirrored(case: &Case) {
             law: Law::ConstantJerk(-jerk),
         })
         .collect();
-    assert_eq!(ours.segments(), turned);
+    assert_eq!(ours.segments().as_slice(), turned);
     assert_eq!(ours.reached(), mirrored.reached().mirrored());
     assert_eq!(ours.classification(), mirrored.classification());
 }
@@ -273,7 +275,7 @@ fn check_extremes(case: &Case, parts: &[f64]) {
                 case.distance().abs() + case.start.position.abs() + case.goal.position.abs()
             }
             Quantity::Velocity => fastest,
-            Quantity::Acceleration => case.limits.max_acceleration,
+            Quantity::Acceleration => case.hardest(),
             _ => case.limits.max_jerk,
         };
         // At a join the jerk is that of either piece, and after the end nothing moves.
@@ -282,7 +284,7 @@ fn check_extremes(case: &Case, parts: &[f64]) {
             // Late in a long motion a rounding of the time is worth more.
             let rate = match check.quantity {
                 Quantity::Position => fastest,
-                Quantity::Velocity => case.limits.max_acceleration,
+                Quantity::Velocity => case.hardest(),
                 _ => case.limits.max_jerk,
             };
             let allowed = 1e-9 * scale + 4.0 * f64::EPSILON * profile.duration() * rate;
@@ -297,6 +299,12 @@ fn check_extremes(case: &Case, parts: &[f64]) {
                 }
                 // The other direction has a limit of its own.
                 Quantity::Velocity if value * check.extremum < 0.0 => value.abs() <= 1e-13 * scale,
+                // Against the limit of what it does there.
+                Quantity::Acceleration => {
+                    let speeds_up = value * case.problem().direction() > 0.0;
+                    let limit = if speeds_up { case.limits.max_acceleration } else { case.deceleration() };
+                    value.abs() / limit <= check.extremum.abs() / check.limit + 1e-15
+                }
                 _ => value.abs() <= check.extremum.abs() + 1e-15 * scale,
             };
             assert!(bounded, "{check:?}: {value}");

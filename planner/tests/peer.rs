@@ -1,6 +1,6 @@
 //! rsruckig as a second opinion: on feasible problems with speeds along the travel, it is never faster.
 //!
-//! A million of them, with what the peer does otherwise, takes a few seconds:
+//! Two millions of them, with what the peer does otherwise, takes a few seconds:
 //!
 //! ```text
 //! cargo test --release -p portamento-planner --test peer -- --ignored --nocapture
@@ -15,7 +15,7 @@
 mod common;
 
 use common::Random;
-use common::peer::{self, Peer};
+use common::peer::{self, Draw, Peer};
 use planner::{Problem, plan_move, violations};
 
 /// Of a duration [1]: how much longer than the peer's ours may be. The peer itself is content with 1e-9 of the distance.
@@ -43,25 +43,29 @@ impl Tally {
         let profile = ours.to_profile();
         assert_eq!(violations(&profile, problem.limits(), problem.goal()), []);
         self.asked += 1;
-        let begins = ours.segments().iter().skip(1).map(|next| next.start.position);
-        let ends = ours.segments().iter().map(|segment| segment.end().position);
+        let segments = ours.segments();
+        let begins = segments.iter().skip(1).map(|next| next.start.position);
+        let ends = segments.iter().map(|segment| segment.end().position);
         let gaps = ends.zip(begins.chain([problem.goal().position])).map(|(end, begin)| (end - begin).abs());
         let residual = gaps.fold(0.0, f64::max) / problem.distance().abs();
         self.residual = self.residual.max(residual);
         let example = |what: String| {
             let (from, to, limits) = (problem.start(), problem.goal(), problem.limits());
             format!(
-                "{what}: {} at {} to {} at {}, v {} a {} j {}",
+                "{what}: {} at {} to {} at {}, v {} a {} d {} j {}",
                 from.position,
                 from.velocity,
                 to.position,
                 to.velocity,
                 limits.velocity_forward(),
                 limits.acceleration(),
+                limits.deceleration(),
                 limits.jerk(),
             )
         };
-        let Some(theirs) = peer.duration(&peer::input(problem)) else {
+        // To the peer a path of 1e-9 may be none, whatever the unit: no time is no answer to it.
+        let theirs = peer.duration(&peer::input(problem)).filter(|&theirs| theirs > 0.0);
+        let Some(theirs) = theirs else {
             self.refused += 1;
             if self.refused <= 3 {
                 self.examples.push(example("refused".into()));
@@ -83,16 +87,21 @@ impl Tally {
 
 fn compare(count: u32, seed: u64) {
     let mut peer = Peer::new();
-    for (name, rest_to_rest, wide) in [
-        ("rest to rest, order one", true, false),
-        ("rest to rest, six decades", true, true),
-        ("start and end velocity, order one", false, false),
-        ("start and end velocity, six decades", false, true),
+    for (name, rest_to_rest, asymmetric, wide) in [
+        ("rest to rest, order one", true, false, false),
+        ("rest to rest, six decades", true, false, true),
+        ("start and end velocity, order one", false, false, false),
+        ("start and end velocity, six decades", false, false, true),
+        ("asymmetric, rest to rest, order one", true, true, false),
+        ("asymmetric, rest to rest, six decades", true, true, true),
+        ("asymmetric, start and end velocity, order one", false, true, false),
+        ("asymmetric, start and end velocity, six decades", false, true, true),
     ] {
+        let draw = Draw { rest_to_rest, asymmetric, wide };
         let mut random = Random(seed);
         let mut tally = Tally::default();
-        for _ in 0..count / 4 {
-            tally.ask(&mut peer, &peer::problem(&mut random, rest_to_rest, wide));
+        for _ in 0..count / 8 {
+            tally.ask(&mut peer, &peer::problem(&mut random, draw));
         }
         let Tally { asked, refused, slower, slowest, longer, residual, examples } = tally;
         println!(
@@ -107,11 +116,11 @@ fn compare(count: u32, seed: u64) {
 
 #[test]
 fn never_longer_than_the_peer() {
-    compare(10_000, 1);
+    compare(20_000, 1);
 }
 
 #[test]
 #[ignore = "a few seconds in release"]
-fn never_longer_than_the_peer_in_a_million() {
-    compare(1_000_000, 2);
+fn never_longer_than_the_peer_in_two_millions() {
+    compare(2_000_000, 2);
 }

@@ -265,17 +265,6 @@ fn what_a_later_version_will_do() {
         .each_ref()
         .map(String::as_str),
     );
-    check(
-        problem(
-            State::at_rest(0.0),
-            State::at_rest(1.0),
-            LimitsSpec { max_deceleration: Some(1.0), ..limits() },
-        ),
-        &[
-            "limits.max_deceleration: a deceleration unlike the acceleration is not implemented: give max_deceleration \
-           the value of max_acceleration, or leave it out",
-        ],
-    );
     let reverse = Problem::new(
         moving(0.0, 0.5),
         State::at_rest(1e-3),
@@ -294,7 +283,7 @@ fn what_a_later_version_will_do() {
         plan_stop(accelerating, &limits().try_into().unwrap()),
         &["a stop while accelerating is not implemented: stop from a constant speed"],
     );
-    for family in [Family::Trapezoidal, Family::Polynomial, Family::Trigonometric] {
+    for family in [Family::Polynomial, Family::Trigonometric] {
         let spec = RequestSpec { family: Ok(family), ..request(vec![axis("x", State::at_rest(1.0))]) };
         let refusal = Request::try_from(spec).unwrap_err();
         assert_eq!(refusal.as_slice().len(), 1);

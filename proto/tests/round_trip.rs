@@ -76,6 +76,38 @@ proptest! {
     }
 }
 
+/// From rest to rest a move has a name in three papers.
+#[test]
+fn every_name_of_a_shape_comes_back() {
+    let judged = judged(request(0.05, 0.0, 0.0, 1.0));
+    let wire = plan_to_wire(&judged);
+    let names = wire.axes[0].classification.clone().unwrap();
+    let given = [&names.eight_type, &names.asymmetric_type, &names.six_case].map(|name| name.as_deref());
+    assert_eq!(given, [Some("5"), Some("2"), Some("D.2")]);
+    assert_eq!(&plan_from_wire(wire.clone()).unwrap(), judged.plan());
+
+    let mut unknown = wire;
+    let names = unknown.axes[0].classification.as_mut().unwrap();
+    names.asymmetric_type = Some("9".into());
+    names.six_case = Some("C1".into());
+    let refusal = plan_from_wire(unknown).unwrap_err();
+    let fields: Vec<_> = refusal.as_slice().iter().map(|invalid| invalid.field.to_string()).collect();
+    assert_eq!(fields, ["asymmetric_type", "six_case"].map(|name| format!("axes[0].classification.{name}")));
+}
+
+/// Its certificate holds a jerk without bound, which JSON has a word for.
+#[test]
+fn a_trapezoid_comes_back() {
+    let mut spec = request(0.05, 0.0, 0.0, 0.25);
+    spec.family = Ok(planner::Family::Trapezoidal);
+    let wire = plan_to_wire(&judged(spec));
+    assert_eq!(wire.method.as_ref().map(|method| method.order), Some(2));
+    let json = proto::to_json(&wire).unwrap();
+    assert_eq!(proto::from_json::<pb::Plan>(&json).unwrap(), wire);
+    let back = Judged::new(plan_from_wire(wire.clone()).unwrap());
+    assert_eq!(plan_to_wire(&back), wire);
+}
+
 #[test]
 fn an_open_comes_back() {
     let plan = judged(request(0.05, 0.0, 0.0, 0.25)).accepted().unwrap();

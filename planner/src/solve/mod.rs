@@ -1,136 +1,31 @@
 //! From a problem to a motion. Reads like the outline of the papers: which lane is it, is it too short, solve it, lay the
 //! pieces end to end.
 
+mod lane;
 mod nearest;
 mod pieces;
+mod planned;
 mod ramp;
 mod s_curve;
+mod trapezoid;
+
+pub use planned::{Adjustment, AdjustmentReason, MAX_PIECES, Move};
 
 use arrayvec::ArrayVec;
 
-use crate::classify::{Classification, EightType};
+use crate::classify::{AsymmetricType, Classification, EightType, SixCase};
 use crate::error::{Field, InvalidFields, Why};
-use crate::{Limits, Problem, Profile, Quantity, Segment, Setpoint, ShortPathPolicy, State};
+use crate::{Limits, Problem, Quantity, ShortPathPolicy, State};
+use lane::Lane;
 use ramp::Ramp;
-use s_curve::{Lane, Shape};
-
-/// The most pieces of a planned move: three to speed up, one to cruise, three to slow down.
-pub const MAX_PIECES: usize = 7;
-
-/// The answer to a [`Problem`]: pieces on the stack, and everything that is not as it was asked.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Move {
-    segments: ArrayVec<Segment, MAX_PIECES>,
-    reached: State,
-    adjustments: ArrayVec<Adjustment, 2>,
-    classification: Classification,
-}
-
-/// One condition that the plan does not meet as asked.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Adjustment {
-    /// What was changed.
-    pub quantity: Quantity,
-    /// The value that was asked for, in the unit of the quantity.
-    pub asked: f64,
-    /// The value in the plan.
-    pub planned: f64,
-    /// Why.
-    pub reason: AdjustmentReason,
-}
-
-/// Why an [`Adjustment`] was made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum AdjustmentReason {
-    /// The path is too short for the end velocity; by policy it became the start velocity, or ± a²/j from it.
-    PathTooShortStartVelocity,
-    /// The path is too short for the end velocity; by policy it became the nearest reachable one.
-    PathTooShortNearestVelocity,
-    /// The feed rate is above the velocity limit, which holds.
-    FeedRateAboveLimit,
-    /// The plan ends at speed, and a stop was put after it.
-    ClosingStop,
-}
-
-impl AdjustmentReason {
-    /// Every reason.
-    pub const ALL: [Self; 4] = [
-        Self::PathTooShortStartVelocity,
-        Self::PathTooShortNearestVelocity,
-        Self::FeedRateAboveLimit,
-        Self::ClosingStop,
-    ];
-
-    /// The name on the wire.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::PathTooShortStartVelocity => "PATH_TOO_SHORT_START_VELOCITY",
-            Self::PathTooShortNearestVelocity => "PATH_TOO_SHORT_NEAREST_VELOCITY",
-            Self::FeedRateAboveLimit => "FEED_RATE_ABOVE_LIMIT",
-            Self::ClosingStop => "CLOSING_STOP",
-        }
-    }
-}
-
-impl Move {
-    /// The pieces, in order; none where nothing moves.
-    #[must_use]
-    pub fn segments(&self) -> &[Segment] {
-        &self.segments
-    }
-
-    /// How long the motion lasts \[s\].
-    #[must_use]
-    pub fn duration(&self) -> f64 {
-        // Not `sum`, which is −0 where there is nothing to add.
-        self.segments.iter().fold(0.0, |total, segment| total + segment.duration)
-    }
-
-    /// The state at the end: the goal, but for what the adjustments say.
-    #[must_use]
-    pub fn reached(&self) -> State {
-        self.reached
-    }
-
-    /// What is not as asked; empty where everything is.
-    #[must_use]
-    pub fn adjustments(&self) -> &[Adjustment] {
-        &self.adjustments
-    }
-
-    /// The shape's names in the papers.
-    #[must_use]
-    pub fn classification(&self) -> Classification {
-        self.classification
-    }
-
-    /// The setpoint at time `t` \[s\], with the bits of [`Profile::at`] and without its allocation.
-    #[must_use]
-    pub fn at(&self, t: f64) -> Setpoint {
-        let mut begin = 0.0;
-        for segment in &self.segments {
-            let next = begin + segment.duration;
-            if t < next {
-                return if t < 0.0 { Setpoint::held(segment.start) } else { segment.at(t - begin) };
-            }
-            begin = next;
-        }
-        Setpoint::held(self.reached)
-    }
-
-    /// The motion as a profile of its own.
-    #[must_use]
-    pub fn to_profile(&self) -> Profile {
-        Profile::new(self.segments.to_vec(), self.reached)
-    }
-}
+use s_curve::Shape;
+use trapezoid::Trapezoid;
 
 /// The time-optimal jerk-limited move of one axis in the direction of travel.
 ///
 /// Optimal among all motions within the limits that keep the end conditions and do not turn back, but for one corner:
-/// where one end is nearly at rest (below 0.16 of the other, or (√2 − 1)²·a²/j), stopping on the way needs up to 1.3 %
-/// less length than the direct ramp; those far slower motions are not sought (`notes/0003-eight-types.md`).
+/// where one end is nearly at rest (below 0.16 of the other, or (√2 − 1)²·a²/j, equal limits), stopping on the way needs
+/// up to 1.3 % less length than the direct ramp; those far slower motions are not sought (`notes/0003-eight-types.md`).
 ///
 /// ```
 /// # use planner::{plan_move, Limits, Problem, ShortPathPolicy, State};
@@ -145,36 +40,43 @@ impl Move {
 /// where the path is too short.
 pub fn plan_move(problem: &Problem) -> Result<Move, InvalidFields> {
     let direction = problem.direction();
-    let limits = problem.limits();
-    let lane = Lane {
-        start: problem.start().velocity.abs(),
-        end: problem.goal().velocity.abs(),
-        length: problem.distance().abs(),
-        cruise: limits.cruise_towards(direction),
-        acceleration: limits.acceleration(),
-        jerk: limits.jerk(),
-    };
-    let mut adjustments = ArrayVec::new();
-    let fastest = limits.velocity_towards(direction);
-    if let Some(asked) = limits.spec().feed_rate.filter(|&feed_rate| feed_rate > fastest) {
-        let reason = AdjustmentReason::FeedRateAboveLimit;
-        adjustments.push(Adjustment { quantity: Quantity::Velocity, asked, planned: fastest, reason });
-    }
+    let lane = Lane::of(problem, direction);
     let (shape, reason) =
         shape(&lane, problem.short_path()).map_err(|refusal| refusal.of(&lane, direction))?;
-    let mut reached = problem.goal();
-    if let Some(reason) = reason {
-        reached.velocity = signed(direction, shape.end);
-        let (asked, planned) = (problem.goal().velocity, reached.velocity);
-        adjustments.push(Adjustment { quantity: Quantity::Velocity, asked, planned, reason });
-    }
-    let classification = Classification { eight_type: Some(shape.kind), feed_rate: shape.peak };
-    let mut planned = Move { segments: ArrayVec::new(), reached, adjustments, classification };
-    pieces::lay(&mut planned.segments, &shape, problem.start(), reached, direction, lane.jerk);
-    if planned.segments.is_empty() {
-        planned.classification = Classification { eight_type: None, feed_rate: lane.start };
-    }
-    Ok(planned)
+    let (reached, adjustments) = adjusted(problem, direction, shape.end, reason);
+    let mut pieces = ArrayVec::new();
+    pieces::lay(&mut pieces, &shape, problem.start(), reached, direction, lane.jerk);
+    let classification =
+        if pieces.is_empty() { Classification::of_speed(lane.start) } else { classify(&lane, &shape) };
+    Ok(Move { pieces, reached, adjustments, classification })
+}
+
+/// The time-optimal move of constant acceleration in pieces, in the direction of travel: the jerk is not limited, and the
+/// limit on it is not read.
+///
+/// The acceleration jumps where pieces meet, at the start and at the end, so the first piece begins with an acceleration
+/// though the problem's start has none.
+///
+/// ```
+/// # use planner::{plan_trapezoid, Limits, Problem, ShortPathPolicy, State};
+/// let limits = Limits::symmetric(0.25, 3.0, 100.0)?;
+/// let problem = Problem::new(State::at_rest(0.0), State::at_rest(0.05), limits, ShortPathPolicy::Reject)?;
+/// assert!((plan_trapezoid(&problem)?.duration() - 0.85 / 3.0).abs() < 1e-15); // s/v + v/a
+/// # Ok::<(), planner::InvalidFields>(())
+/// ```
+///
+/// # Errors
+/// Those of [`plan_move`].
+pub fn plan_trapezoid(problem: &Problem) -> Result<Move, InvalidFields> {
+    let direction = problem.direction();
+    let lane = Lane::of(problem, direction);
+    let (shape, reason) =
+        trapezoid(&lane, problem.short_path()).map_err(|refusal| refusal.of(&lane, direction))?;
+    let (reached, adjustments) = adjusted(problem, direction, shape.end, reason);
+    let mut pieces = ArrayVec::new();
+    pieces::lay_trapezoid(&mut pieces, &shape, problem.start(), reached, direction, &lane);
+    let classification = Classification::of_speed(if pieces.is_empty() { lane.start } else { shape.peak });
+    Ok(Move { pieces, reached, adjustments, classification })
 }
 
 /// The fastest stop from a constant speed, within `limits`.
@@ -194,12 +96,55 @@ pub fn plan_stop(from: State, limits: &Limits) -> Result<Move, InvalidFields> {
     let length = ramp::length(speed, 0.0, deceleration, jerk);
     let reached = State::at_rest(from.position + direction * length);
     within_range(reached.position, down.time(), limits)?;
-    let kind = EightType::of(false, false, ramp::reaches(speed, deceleration, jerk));
-    let shape = Shape { up: Ramp::default(), cruise: 0.0, down, peak: speed, end: 0.0, kind };
-    let classification = Classification { eight_type: None, feed_rate: speed };
-    let mut stop = Move { segments: ArrayVec::new(), reached, adjustments: ArrayVec::new(), classification };
-    pieces::lay(&mut stop.segments, &shape, from, reached, direction, jerk);
+    let classification = Classification::of_speed(speed);
+    let mut stop = Move { pieces: ArrayVec::new(), reached, adjustments: ArrayVec::new(), classification };
+    let shape = Shape::one_ramp(EightType::Type8C, Ramp::default(), down, speed, 0.0);
+    pieces::lay(&mut stop.pieces, &shape, from, reached, direction, jerk);
     Ok(stop)
+}
+
+/// Where a move ends, and what is not as asked.
+fn adjusted(
+    problem: &Problem,
+    direction: f64,
+    end: f64,
+    reason: Option<AdjustmentReason>,
+) -> (State, ArrayVec<Adjustment, 2>) {
+    let mut adjustments = ArrayVec::new();
+    let fastest = problem.limits().velocity_towards(direction);
+    if let Some(asked) = problem.limits().spec().feed_rate.filter(|&feed_rate| feed_rate > fastest) {
+        let reason = AdjustmentReason::FeedRateAboveLimit;
+        adjustments.push(Adjustment { quantity: Quantity::Velocity, asked, planned: fastest, reason });
+    }
+    let mut reached = problem.goal();
+    if let Some(reason) = reason {
+        reached.velocity = signed(direction, end);
+        let (asked, planned) = (problem.goal().velocity, reached.velocity);
+        adjustments.push(Adjustment { quantity: Quantity::Velocity, asked, planned, reason });
+    }
+    (reached, adjustments)
+}
+
+/// What the papers call a shape.
+fn classify(lane: &Lane, shape: &Shape) -> Classification {
+    let symmetric = lane.is_symmetric();
+    let mut names = Classification::of_speed(shape.peak);
+    names.eight_type = symmetric.then_some(shape.kind);
+    if lane.is_from_rest_to_rest() {
+        let Lane { length, cruise, acceleration, deceleration, jerk, .. } = *lane;
+        // Strictly: at the limit for an instant is not constant.
+        let holds = |limit: f64| shape.peak * jerk > limit * limit;
+        let (up, down) = (holds(acceleration), holds(deceleration));
+        names.asymmetric_type = Some(AsymmetricType::of(shape.cruise > 0.0, up, down));
+        if symmetric {
+            // s > 2a³/j² and v > a²/j, without quotients, which would round at the boundary.
+            let square = acceleration * acceleration;
+            let path_takes_acceleration = length * jerk * jerk > 2.0 * square * acceleration;
+            let case = SixCase::of(shape.reaches_cruise, path_takes_acceleration, cruise * jerk > square);
+            names.six_case = Some(case);
+        }
+    }
+    names
 }
 
 /// Is `reached` inside the position range?
@@ -219,17 +164,22 @@ fn within_range(reached: f64, time: f64, limits: &Limits) -> Result<(), InvalidF
 
 /// Why there is no shape.
 enum Refusal {
-    TooShort,
+    TooShort {
+        /// The least length that would do [axis units].
+        needed: f64,
+        /// The end speed that could be reached instead [axis units/s].
+        nearest: f64,
+    },
     NeedsReversal,
 }
 
 impl Refusal {
     fn of(&self, lane: &Lane, direction: f64) -> InvalidFields {
-        let why = match self {
-            Self::TooShort => Why::PathTooShort {
-                needed: direction * lane.least_length(),
+        let why = match *self {
+            Self::TooShort { needed, nearest } => Why::PathTooShort {
+                needed: direction * needed,
                 given: signed(direction, lane.length),
-                nearest_velocity: signed(direction, nearest::solve(lane).end),
+                nearest_velocity: signed(direction, nearest),
             },
             Self::NeedsReversal => Why::NotImplemented {
                 what: "short_path_policy REVERSE on a path that is too short",
@@ -240,8 +190,11 @@ impl Refusal {
     }
 }
 
-/// The shape of a lane, and why its end speed is not the one asked for, if it is not.
-fn shape(lane: &Lane, policy: ShortPathPolicy) -> Result<(Shape, Option<AdjustmentReason>), Refusal> {
+/// A solved lane, and why its end speed is not the one asked for, if it is not.
+type Solved<T> = Result<(T, Option<AdjustmentReason>), Refusal>;
+
+/// The S-curve of a lane.
+fn shape(lane: &Lane, policy: ShortPathPolicy) -> Solved<Shape> {
     if policy == ShortPathPolicy::MatchStartVelocity {
         return Ok(as_the_paper_does(lane));
     }
@@ -253,18 +206,42 @@ fn shape(lane: &Lane, policy: ShortPathPolicy) -> Result<(Shape, Option<Adjustme
             Ok((nearest::solve(lane), Some(AdjustmentReason::PathTooShortNearestVelocity)))
         }
         ShortPathPolicy::Reverse => Err(Refusal::NeedsReversal),
-        ShortPathPolicy::Reject | ShortPathPolicy::MatchStartVelocity => Err(Refusal::TooShort),
+        ShortPathPolicy::Reject | ShortPathPolicy::MatchStartVelocity => {
+            Err(Refusal::TooShort { needed: lane.least_length(), nearest: nearest::solve(lane).end })
+        }
+    }
+}
+
+/// The trapezoid of a lane. It has no corner: under [`ShortPathPolicy::MatchStartVelocity`] the end speed becomes the
+/// start speed.
+fn trapezoid(lane: &Lane, policy: ShortPathPolicy) -> Solved<Trapezoid> {
+    let needed = Trapezoid::least_length(lane);
+    if !lane.is_shorter_than(needed) {
+        return Ok((Trapezoid::solve(lane), None));
+    }
+    match policy {
+        ShortPathPolicy::NearestVelocity => {
+            Ok((Trapezoid::nearest(lane), Some(AdjustmentReason::PathTooShortNearestVelocity)))
+        }
+        ShortPathPolicy::MatchStartVelocity => {
+            let level = Lane { end: lane.start, ..*lane };
+            Ok((Trapezoid::solve(&level), Some(AdjustmentReason::PathTooShortStartVelocity)))
+        }
+        ShortPathPolicy::Reverse => Err(Refusal::NeedsReversal),
+        ShortPathPolicy::Reject => Err(Refusal::TooShort { needed, nearest: Trapezoid::nearest(lane).end }),
     }
 }
 
 /// The modification of the end velocity in Bui, Le and Doan (2021), with its contradictions resolved: where the speeds
 /// differ by more than a²/j and the type is not 1 to 5, the end speed first moves to a²/j from the start speed, once; if
-/// the path is still too short it becomes the start speed, and the cruise speed goes on to hold.
+/// the path is still too short it becomes the start speed, and the cruise speed goes on to hold. `a` is the limit of the
+/// ramp from one speed to the other.
 fn as_the_paper_does(lane: &Lane) -> (Shape, Option<AdjustmentReason>) {
     let reason = Some(AdjustmentReason::PathTooShortStartVelocity);
     let mut lane = *lane;
     let mut adjusted = None;
-    let corner = lane.acceleration * lane.acceleration / lane.jerk;
+    let limit = lane.limit(lane.start, lane.end);
+    let corner = limit * limit / lane.jerk;
     if (lane.start - lane.end).abs() > corner {
         let kept = (!lane.is_too_short()).then(|| lane.solve());
         if let Some(shape) = kept.filter(|shape| !matches!(shape.kind, EightType::Type6 | EightType::Type7)) {

@@ -1,11 +1,13 @@
-//! The reachable end speed closest to the one asked for, where the path is too short to keep it: one monotone ramp.
+//! The reachable end speed closest to the one asked for, where the path is too short to keep it: one monotone ramp, at
+//! the acceleration if it speeds up and at the deceleration if it slows down; `a` is either.
 //!
 //! Upwards the length of a ramp grows with its end speed, so there is one answer. Downwards it does not: braking from `v`
 //! takes longest to an end speed of `v/3` (or `a²/2j` where the acceleration limit is reached), so the speeds that a
 //! short path cannot reach are an interval, and the nearest reachable one is at its upper or its lower end.
 
+use super::lane::Lane;
 use super::ramp::Ramp;
-use super::s_curve::{Lane, Shape};
+use super::s_curve::Shape;
 use crate::classify::EightType;
 use crate::float::{largest, least, sqrt};
 use crate::roots::fall_to_root;
@@ -14,17 +16,19 @@ use crate::roots::fall_to_root;
 pub(super) fn solve(lane: &Lane) -> Shape {
     if lane.end >= lane.start {
         let (change, ramp) = up(lane);
-        return shape(lane.start + change, lane.start + change, ramp, Ramp::default());
+        return Shape::one_ramp(
+            EightType::Type8C,
+            ramp,
+            Ramp::default(),
+            lane.start + change,
+            lane.start + change,
+        );
     }
     let upper = down_upper(lane);
     let lower = down_lower(lane)
         .filter(|lower| (lane.start - lower.0 - lane.end).abs() < (lane.start - upper.0 - lane.end).abs());
     let (change, ramp) = lower.unwrap_or(upper);
-    shape(lane.start, largest(0.0, lane.start - change), Ramp::default(), ramp)
-}
-
-fn shape(peak: f64, end: f64, up: Ramp, down: Ramp) -> Shape {
-    Shape { up, cruise: 0.0, down, peak, end, kind: EightType::Type8C }
+    Shape::one_ramp(EightType::Type8C, Ramp::default(), ramp, lane.start, largest(0.0, lane.start - change))
 }
 
 /// A change of speed and its ramp.
@@ -52,13 +56,13 @@ fn up(lane: &Lane) -> Change {
 
 /// Slowing down to the upper end of what cannot be reached: the rising branch of the ramp's length.
 fn down_upper(lane: &Lane) -> Change {
-    let Lane { start, length, acceleration, jerk, .. } = *lane;
-    let corner = acceleration * acceleration / jerk;
+    let Lane { start, length, deceleration, jerk, .. } = *lane;
+    let corner = deceleration * deceleration / jerk;
     let peak_is_ladder = start >= 1.5 * corner;
-    if peak_is_ladder && length > (start - 0.5 * corner) * 2.0 * acceleration / jerk {
+    if peak_is_ladder && length > (start - 0.5 * corner) * 2.0 * deceleration / jerk {
         let (b, rest, discriminant) = ladder_down(lane);
         let change = 2.0 * rest / (b + sqrt(discriminant));
-        return (change, Ramp::ladder(change, acceleration, jerk));
+        return (change, Ramp::ladder(change, deceleration, jerk));
     }
     let (scale, angle) = triangle_down(lane);
     triangle(scale * libm::sin(angle), sqrt(jerk))
@@ -66,17 +70,17 @@ fn down_upper(lane: &Lane) -> Change {
 
 /// Slowing down to the lower end of what cannot be reached, if there is one: the falling branch.
 fn down_lower(lane: &Lane) -> Option<Change> {
-    let Lane { start, length, acceleration, jerk, .. } = *lane;
+    let Lane { start, length, deceleration, jerk, .. } = *lane;
     if length < lane.ramp_length(start, 0.0) {
         return None;
     }
-    let corner = acceleration * acceleration / jerk;
+    let corner = deceleration * deceleration / jerk;
     let falls_as_ladder = start > corner
-        && (start >= 1.5 * corner || length < (start - 0.5 * corner) * 2.0 * acceleration / jerk);
+        && (start >= 1.5 * corner || length < (start - 0.5 * corner) * 2.0 * deceleration / jerk);
     if falls_as_ladder {
         let (b, _, discriminant) = ladder_down(lane);
-        let change = least(start, acceleration * (b + sqrt(discriminant)));
-        return Some((change, Ramp::ladder(change, acceleration, jerk)));
+        let change = least(start, deceleration * (b + sqrt(discriminant)));
+        return Some((change, Ramp::ladder(change, deceleration, jerk)));
     }
     let (scale, angle) = triangle_down(lane);
     let root = scale * libm::sin(core::f64::consts::FRAC_PI_3 - angle);
@@ -85,11 +89,11 @@ fn down_lower(lane: &Lane) -> Option<Change> {
 
 /// Ladder: `d²/2a − b·d + r = 0`; gives `b`, `r` and `b² − 2r/a`.
 fn ladder_down(lane: &Lane) -> (f64, f64, f64) {
-    let Lane { start, length, acceleration, jerk, .. } = *lane;
-    let jerk_time = acceleration / jerk;
-    let b = start / acceleration - 0.5 * jerk_time;
+    let Lane { start, length, deceleration, jerk, .. } = *lane;
+    let jerk_time = deceleration / jerk;
+    let b = start / deceleration - 0.5 * jerk_time;
     let rest = length - start * jerk_time;
-    (b, rest, largest(0.0, b * b - 2.0 * rest / acceleration))
+    (b, rest, largest(0.0, b * b - 2.0 * rest / deceleration))
 }
 
 /// Triangle, with `q = √d`: `2v·q − q³ = length·√j`, whose roots in reach are `scale·sin(angle)` and

@@ -1,9 +1,12 @@
 use arrayvec::ArrayVec;
 
+use super::lane::Lane;
+use super::planned::{MAX_PIECES, Piece};
 use super::ramp::Ramp;
 use super::s_curve::Shape;
-use super::{MAX_PIECES, signed};
-use crate::{Law, Segment, State};
+use super::signed;
+use super::trapezoid::Trapezoid;
+use crate::State;
 
 /// Lays the pieces of a shape end to end, from `start` to `reached`.
 ///
@@ -13,7 +16,7 @@ use crate::{Law, Segment, State};
 ///
 /// They are laid into their place, since copying seven of them costs as much as laying two.
 pub(super) fn lay(
-    segments: &mut ArrayVec<Segment, MAX_PIECES>,
+    pieces: &mut ArrayVec<Piece, MAX_PIECES>,
     shape: &Shape,
     start: State,
     reached: State,
@@ -26,7 +29,7 @@ pub(super) fn lay(
         if duration > 0.0 {
             let position = origin + from.position;
             let start = State { position, ..from };
-            segments.push(Segment { duration, start, law: Law::ConstantJerk(jerk + 0.0) });
+            pieces.push(Piece { duration, start, jerk: jerk + 0.0 });
         }
     };
 
@@ -52,7 +55,40 @@ pub(super) fn lay(
     lay(jerk_time, reached.position, fifth, -jerk);
     lay(hold_time, reached.position, sixth, 0.0);
     lay(jerk_time, reached.position, seventh, jerk);
-    if let Some(first) = segments.first_mut() {
+    if let Some(first) = pieces.first_mut() {
         first.start = start;
+    }
+}
+
+/// Lays the pieces of a trapezoid in the same way. Its first piece begins with the acceleration that it has.
+pub(super) fn lay_trapezoid(
+    pieces: &mut ArrayVec<Piece, MAX_PIECES>,
+    shape: &Trapezoid,
+    start: State,
+    reached: State,
+    direction: f64,
+    lane: &Lane,
+) {
+    let Trapezoid { up, cruise, down, peak, .. } = *shape;
+    let mut lay = |duration: f64, origin: f64, from: State| {
+        if duration > 0.0 {
+            let start = State { position: origin + from.position, ..from };
+            pieces.push(Piece { duration, start, jerk: 0.0 });
+        }
+    };
+    let first =
+        State { position: 0.0, velocity: start.velocity, acceleration: direction * lane.acceleration };
+    lay(up, start.position, first);
+    let top = State {
+        position: first.after(0.0, up).position,
+        velocity: signed(direction, peak),
+        acceleration: 0.0,
+    };
+    lay(cruise, start.position, top);
+    let last =
+        State { position: 0.0, velocity: reached.velocity, acceleration: -direction * lane.deceleration };
+    lay(down, reached.position, last.after(0.0, -down));
+    if let Some(first) = pieces.first_mut() {
+        first.start = State { acceleration: first.start.acceleration, ..start };
     }
 }

@@ -5,6 +5,7 @@
 #![allow(dead_code, reason = "each test takes what it needs")]
 
 pub(crate) mod peer;
+pub(crate) mod record;
 
 use planner::{Limits, LimitsSpec, Problem, ShortPathPolicy, State};
 use proptest::prelude::*;
@@ -37,7 +38,17 @@ impl Case {
     }
 
     pub(crate) fn ramp_length(&self, from: f64, to: f64) -> f64 {
-        ramp_length(from, to, self.limits.max_acceleration, self.limits.max_jerk)
+        let limit = if to < from { self.deceleration() } else { self.limits.max_acceleration };
+        ramp_length(from, to, limit, self.limits.max_jerk)
+    }
+
+    pub(crate) fn deceleration(&self) -> f64 {
+        self.limits.max_deceleration.unwrap_or(self.limits.max_acceleration)
+    }
+
+    /// The larger of the limits of speeding up and of slowing down.
+    pub(crate) fn hardest(&self) -> f64 {
+        self.limits.max_acceleration.max(self.deceleration())
     }
 
     pub(crate) fn policy(&self, policy: ShortPathPolicy) -> Self {
@@ -60,12 +71,14 @@ impl Case {
     }
 
     /// Run backwards, and then seen from the other side, so that it travels as before: from the goal's speed to the
-    /// start's.
+    /// start's, and what sped up slows down.
     pub(crate) fn reversed(&self) -> Self {
         let start = State { position: -self.goal.position, ..self.goal };
         let goal = State { position: -self.start.position, ..self.start };
-        let LimitsSpec { min_position, max_position, .. } = self.limits;
+        let LimitsSpec { min_position, max_position, max_acceleration, .. } = self.limits;
         let limits = LimitsSpec {
+            max_acceleration: self.deceleration(),
+            max_deceleration: Some(max_acceleration),
             min_position: max_position.map(|position| -position),
             max_position: min_position.map(|position| -position),
             ..self.limits.clone()
@@ -86,6 +99,7 @@ impl Case {
         let limits = LimitsSpec {
             max_velocity: spec.max_velocity * velocity,
             max_acceleration: spec.max_acceleration * acceleration,
+            max_deceleration: spec.max_deceleration.map(|limit| limit * acceleration),
             max_jerk: spec.max_jerk * (acceleration / time),
             max_velocity_reverse: spec.max_velocity_reverse.map(|limit| limit * velocity),
             min_position: spec.min_position.map(|limit| limit * length),
@@ -130,11 +144,45 @@ fn magnitude() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Limits whose three numbers may have to do with each other: `a²/j` equal to the speed, or to a part of it.
-fn limits() -> impl Strategy<Value = (f64, f64, f64)> {
+/// Speed, acceleration, deceleration and jerk.
+#[derive(Clone, Copy, Debug)]
+struct Four {
+    v: f64,
+    a: f64,
+    d: f64,
+    j: f64,
+}
+
+impl Four {
+    fn ramp(&self, from: f64, to: f64) -> f64 {
+        ramp_length(from, to, if to < from { self.d } else { self.a }, self.j)
+    }
+
+    /// The length of two ramps over `peak`.
+    fn way(&self, from: f64, peak: f64, to: f64) -> f64 {
+        ramp_length(from, peak, self.a, self.j) + ramp_length(peak, to, self.d, self.j)
+    }
+}
+
+/// Limits whose numbers may have to do with each other: `a²/j` equal to the speed, or to a part of it; a deceleration that
+/// is the acceleration, nearly the acceleration, or has nothing to do with it.
+fn limits() -> impl Strategy<Value = Four> {
     let related = (magnitude(), magnitude(), prop::sample::select(vec![0.5, 1.0, 1.5, 2.0, 3.0]), -1..=1i32)
         .prop_map(|(v, a, part, ulps)| (v, a, nudged(a * a / (v * part), ulps)));
-    prop_oneof![3 => (magnitude(), magnitude(), magnitude()), 1 => related]
+    let three = prop_oneof![3 => (magnitude(), magnitude(), magnitude()), 1 => related];
+    (three, 0..12u32, magnitude(), -2..=2i32).prop_map(|((v, a, j), how, other, ulps)| {
+        let d = match how {
+            0..=3 => a,
+            4 => nudged(a, ulps),
+            5 => nudged((v * j).sqrt(), ulps),
+            6 => a * 2.0,
+            7 => a * 0.5,
+            8 => a * (0.1 + 10.0 * other / (1.0 + other)),
+            9 => (a * a + v * j * other / (1.0 + other)).sqrt(),
+            _ => other,
+        };
+        Four { v, a, d, j }
+    })
 }
 
 /// One speed in `0..=cruise`; `corner` is a²/j.
@@ -158,28 +206,30 @@ fn speed(how: u32, part: f64, other: f64, ulps: i32, cruise: f64, corner: f64) -
 }
 
 /// A length for two speeds, at a border between shapes or beside it.
-fn length(how: u32, part: f64, ulps: i32, ends: (f64, f64), (v, a, j): (f64, f64, f64)) -> f64 {
+fn length(how: u32, part: f64, ulps: i32, ends: (f64, f64), limits: &Four) -> f64 {
     let (from, to) = ends;
     let (slower, faster) = (from.min(to), from.max(to));
     let gap = faster - slower;
-    let corner = a * a / j;
-    let way = |peak: f64| ramp_length(from, peak, a, j) + ramp_length(peak, to, a, j);
-    let direct = ramp_length(from, to, a, j);
+    let Four { v, a, d, j } = *limits;
+    let (near, far) = if from < to { (d, a) } else { (a, d) };
+    let (near_corner, far_corner) = (near * near / j, far * far / j);
+    let way = |peak: f64| limits.way(from, peak, to);
+    let direct = limits.ramp(from, to);
     let length = match how {
         0 => 0.0,
         1 => 1e-12,
         2 => 1e6,
         3 | 4 => nudged(way(v), ulps),
-        5 => nudged(way(faster + corner), ulps),
+        5 => nudged(way(faster + near_corner), ulps),
         6 | 7 => nudged(direct, ulps),
-        8 => nudged(way(faster + (corner - gap).max(0.0)), ulps),
+        8 => nudged(way(faster + (far_corner - gap).max(0.0)), ulps),
         9 => direct * part,
         10 => direct + (way(v) - direct) * part,
         11 => direct + (way(v) - direct) * part * part * part * part,
         12 => way(v) * (1.0 + part),
         13 => direct * (1.0 + 1e-12 * part),
-        14 => nudged(ramp_length(faster, 0.0, a, j), ulps),
-        15 => nudged(ramp_length(faster, faster / 3.0, a, j), ulps),
+        14 => nudged(limits.ramp(faster, 0.0), ulps),
+        15 => nudged(limits.ramp(faster, faster / 3.0), ulps),
         16 => part,
         17 => (part * 10.0).round() / 10.0,
         18 => way(v) * 1e-9 * part,
@@ -196,15 +246,22 @@ fn drawn(policies: &'static [ShortPathPolicy], far: bool, feasible: bool) -> imp
     let parts = (0.0..1.0f64, 0.0..1.0f64, 0.0..1.0f64, -1.0..1.0f64);
     let nudges = (-2..=2i32, -2..=2i32, any::<bool>(), any::<bool>());
     (limits(), kinds, parts, nudges).prop_map(move |(limits, kinds, parts, nudges)| {
-        let (v, a, j) = limits;
+        let Four { v, a, d, j } = limits;
         let (start_kind, goal_kind, length_kind, policy, place) = kinds;
         let (start_part, goal_part, length_part, place_part) = parts;
         let (speed_ulps, length_ulps, backward, with_feed_rate) = nudges;
-        let corner = a * a / j;
-        let from = speed(start_kind, start_part, v * goal_part, speed_ulps, v, corner);
-        let to = speed(goal_kind, goal_part, from, speed_ulps, v, corner);
-        let length = length(length_kind, length_part, length_ulps, (from, to), limits);
-        let length = if feasible { length.max(ramp_length(from, to, a, j)) } else { length };
+        let corner = |limit: f64| limit * limit / j;
+        let from = speed(start_kind, start_part, v * goal_part, speed_ulps, v, corner(d));
+        let to = speed(
+            goal_kind,
+            goal_part,
+            from,
+            speed_ulps,
+            v,
+            corner(if length_kind % 2 == 0 { a } else { d }),
+        );
+        let length = length(length_kind, length_part, length_ulps, (from, to), &limits);
+        let length = if feasible { length.max(limits.ramp(from, to)) } else { length };
         let sign = if backward { -1.0 } else { 1.0 };
         let start_position = match place {
             _ if !far => 0.0,
@@ -228,6 +285,8 @@ fn drawn(policies: &'static [ShortPathPolicy], far: bool, feasible: bool) -> imp
             limits: LimitsSpec {
                 max_velocity: if backward && ranged { v * 7.0 } else { max_velocity },
                 max_acceleration: a,
+                // Left out, or the same number, or another one.
+                max_deceleration: (d.to_bits() != a.to_bits() || ranged).then_some(d),
                 max_jerk: j,
                 max_velocity_reverse: ranged.then_some(if backward { max_velocity } else { 0.0 }),
                 min_position: ranged.then_some(min),

@@ -1,6 +1,6 @@
 //! rsruckig, the peer: a pure Rust port of Ruckig (Berscheid and Kröger, 2021), asked the same questions.
 
-use planner::{Limits, Problem, ShortPathPolicy, State};
+use planner::{LimitsSpec, Problem, ShortPathPolicy, State};
 use rsruckig::prelude::{
     DataArrayOrVec, InputParameter, Ruckig, RuckigResult, Synchronization, ThrowErrorHandler, Trajectory,
 };
@@ -37,7 +37,13 @@ pub(crate) fn input(problem: &Problem) -> InputParameter<1> {
     input.target_position = one(goal.position);
     input.target_velocity = one(goal.velocity);
     input.max_velocity = one(limits.velocity_forward());
-    input.max_acceleration = one(limits.acceleration());
+    // The peer's limits have signs: with a velocity that does not change its own they are those of speeding up and
+    // slowing down.
+    let direction = problem.direction();
+    let (up, down) = (limits.acceleration(), limits.deceleration());
+    let (forward, backward) = if direction < 0.0 { (down, up) } else { (up, down) };
+    input.max_acceleration = one(forward);
+    input.min_acceleration = Some(one(-backward));
     input.max_jerk = one(limits.jerk());
     input
 }
@@ -46,14 +52,26 @@ fn one(value: f64) -> DataArrayOrVec<f64, 1> {
     DataArrayOrVec::Stack([value])
 }
 
-/// Numbers of order one, or over six decades, as feasible problems: one in eight at a border between two shapes.
-pub(crate) fn problem(random: &mut Random, rest_to_rest: bool, wide: bool) -> Problem {
+/// What kind of problems to draw.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Draw {
+    pub(crate) rest_to_rest: bool,
+    /// A deceleration of its own.
+    pub(crate) asymmetric: bool,
+    /// Limits over six decades, not of order one.
+    pub(crate) wide: bool,
+}
+
+/// A feasible problem: one in eight at a border between two shapes.
+pub(crate) fn problem(random: &mut Random, draw: Draw) -> Problem {
+    let Draw { rest_to_rest, asymmetric, wide } = draw;
     let mut limit = || if wide { random.decades(1e-3, 1e3) } else { random.decades(0.1, 10.0) };
     let (velocity, acceleration, jerk) = (limit(), limit(), limit());
+    let deceleration = if asymmetric { limit() } else { acceleration };
     let mut speed = || if rest_to_rest { 0.0 } else { velocity * random.unit() };
     let (from, to) = (speed(), speed());
     let way =
-        |peak: f64| ramp_length(from, peak, acceleration, jerk) + ramp_length(peak, to, acceleration, jerk);
+        |peak: f64| ramp_length(from, peak, acceleration, jerk) + ramp_length(peak, to, deceleration, jerk);
     let faster = from.max(to);
     let least = way(faster);
     let length = match random.bits() % 8 {
@@ -69,6 +87,13 @@ pub(crate) fn problem(random: &mut Random, rest_to_rest: bool, wide: bool) -> Pr
         velocity: sign * velocity,
         acceleration: 0.0,
     };
-    let limits = Limits::symmetric(velocity, acceleration, jerk).unwrap();
+    let limits = LimitsSpec {
+        max_velocity: velocity,
+        max_acceleration: acceleration,
+        max_deceleration: asymmetric.then_some(deceleration),
+        max_jerk: jerk,
+        ..LimitsSpec::default()
+    };
+    let limits = limits.try_into().unwrap();
     Problem::new(state(0.0, from), state(length, to), limits, ShortPathPolicy::Reject).unwrap()
 }

@@ -1,6 +1,7 @@
 use planner::{
-    Adjustment, AdjustmentReason, AxisPlan, Classification, CycleTime, EightType, Field, InvalidField,
-    InvalidFields, Judged, Law, Limits, LimitsSpec, Maker, Method, Plan, Profile, Segment, State, Why,
+    Adjustment, AdjustmentReason, AsymmetricType, AxisPlan, Classification, CycleTime, EightType, Field,
+    InvalidField, InvalidFields, Judged, Law, Limits, LimitsSpec, Maker, Method, Plan, Profile, Segment,
+    SixCase, State, Why,
 };
 
 use super::choice::{
@@ -255,11 +256,11 @@ fn adjustment_from_wire(wire: pb::Adjustment) -> Result<Adjustment, InvalidField
 }
 
 fn classification_to_wire(classification: &Classification) -> pb::Classification {
-    let Classification { eight_type, feed_rate } = *classification;
+    let Classification { eight_type, asymmetric_type, six_case, feed_rate } = *classification;
     pb::Classification {
         eight_type: eight_type.map(|kind| kind.name().into()),
-        asymmetric_type: None,
-        six_case: None,
+        asymmetric_type: asymmetric_type.map(|kind| kind.name().into()),
+        six_case: six_case.map(|case| case.name().into()),
         pvt_region: None,
         feed_rate,
     }
@@ -267,12 +268,30 @@ fn classification_to_wire(classification: &Classification) -> pb::Classification
 
 fn classification_from_wire(wire: pb::Classification) -> Result<Classification, InvalidFields> {
     // The names of families that this planner does not have yet say nothing about the motion.
-    let pb::Classification { eight_type, asymmetric_type: _, six_case: _, pvt_region: _, feed_rate } = wire;
+    let pb::Classification { eight_type, asymmetric_type, six_case, pvt_region: _, feed_rate } = wire;
     let mut invalid = InvalidFields::default();
-    let kind = eight_type.as_deref().and_then(EightType::named);
-    if let Some(given) = eight_type.filter(|_| kind.is_none()) {
-        let choices = "1, 2, 3, 4, 5, 6, 7, 8A, 8B, 8C";
-        invalid.note("eight_type", Some(Why::UnknownName { given, choices }));
+    let choices = "1, 2, 3, 4, 5, 6, 7, 8A, 8B, 8C";
+    let eight_type = named(&mut invalid, "eight_type", eight_type, EightType::named, choices);
+    let choices = "1, 2, 3, 4, 5, 6, 7, 8";
+    let asymmetric_type =
+        named(&mut invalid, "asymmetric_type", asymmetric_type, AsymmetricType::named, choices);
+    let choices = "A, B, C.1, C.2, D.1, D.2";
+    let six_case = named(&mut invalid, "six_case", six_case, SixCase::named, choices);
+    invalid.into_result(Classification { eight_type, asymmetric_type, six_case, feed_rate })
+}
+
+/// What a name stands for, if there is one; a name that is not known is reported.
+fn named<T>(
+    invalid: &mut InvalidFields,
+    field: &str,
+    given: Option<String>,
+    known: impl Fn(&str) -> Option<T>,
+    choices: &'static str,
+) -> Option<T> {
+    let given = given?;
+    let found = known(&given);
+    if found.is_none() {
+        invalid.note(field, Some(Why::UnknownName { given, choices }));
     }
-    invalid.into_result(Classification { eight_type: kind, feed_rate })
+    found
 }

@@ -1,0 +1,134 @@
+use arrayvec::ArrayVec;
+
+use crate::{Classification, Law, Profile, Quantity, Segment, Setpoint, State};
+
+/// The most pieces of a planned move: three to speed up, one to cruise, three to slow down.
+pub const MAX_PIECES: usize = 7;
+
+/// The answer to a [`Problem`](crate::Problem): pieces on the stack, and everything that is not as it was asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Move {
+    pub(super) pieces: ArrayVec<Piece, MAX_PIECES>,
+    pub(super) reached: State,
+    pub(super) adjustments: ArrayVec<Adjustment, 2>,
+    pub(super) classification: Classification,
+}
+
+/// A segment of constant jerk, which is all that there is here: copying seven that could be of any law costs more than
+/// planning them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Piece {
+    pub(super) duration: f64,
+    pub(super) start: State,
+    pub(super) jerk: f64,
+}
+
+impl From<Piece> for Segment {
+    fn from(Piece { duration, start, jerk }: Piece) -> Self {
+        Self { duration, start, law: Law::ConstantJerk(jerk) }
+    }
+}
+
+/// One condition that the plan does not meet as asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adjustment {
+    /// What was changed.
+    pub quantity: Quantity,
+    /// The value that was asked for, in the unit of the quantity.
+    pub asked: f64,
+    /// The value in the plan.
+    pub planned: f64,
+    /// Why.
+    pub reason: AdjustmentReason,
+}
+
+/// Why an [`Adjustment`] was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AdjustmentReason {
+    /// The path is too short for the end velocity; by policy it became the start velocity, or ± a²/j from it.
+    PathTooShortStartVelocity,
+    /// The path is too short for the end velocity; by policy it became the nearest reachable one.
+    PathTooShortNearestVelocity,
+    /// The feed rate is above the velocity limit, which holds.
+    FeedRateAboveLimit,
+    /// The plan ends at speed, and a stop was put after it.
+    ClosingStop,
+}
+
+impl AdjustmentReason {
+    /// Every reason.
+    pub const ALL: [Self; 4] = [
+        Self::PathTooShortStartVelocity,
+        Self::PathTooShortNearestVelocity,
+        Self::FeedRateAboveLimit,
+        Self::ClosingStop,
+    ];
+
+    /// The name on the wire.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PathTooShortStartVelocity => "PATH_TOO_SHORT_START_VELOCITY",
+            Self::PathTooShortNearestVelocity => "PATH_TOO_SHORT_NEAREST_VELOCITY",
+            Self::FeedRateAboveLimit => "FEED_RATE_ABOVE_LIMIT",
+            Self::ClosingStop => "CLOSING_STOP",
+        }
+    }
+}
+
+impl Move {
+    /// The pieces, in order; none where nothing moves.
+    #[must_use]
+    pub fn segments(&self) -> ArrayVec<Segment, MAX_PIECES> {
+        self.pieces.iter().copied().map(Segment::from).collect()
+    }
+
+    /// How long the motion lasts \[s\].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        // Not `sum`, which is −0 where there is nothing to add.
+        self.pieces.iter().fold(0.0, |total, piece| total + piece.duration)
+    }
+
+    /// The state at the end: the goal, but for what the adjustments say.
+    #[must_use]
+    pub fn reached(&self) -> State {
+        self.reached
+    }
+
+    /// What is not as asked; empty where everything is.
+    #[must_use]
+    pub fn adjustments(&self) -> &[Adjustment] {
+        &self.adjustments
+    }
+
+    /// The shape's names in the papers.
+    #[must_use]
+    pub fn classification(&self) -> Classification {
+        self.classification
+    }
+
+    /// The setpoint at time `t` \[s\], with the bits of [`Profile::at`] and without its allocation.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Setpoint {
+        let mut begin = 0.0;
+        for &piece in &self.pieces {
+            let next = begin + piece.duration;
+            if t < next {
+                return if t < 0.0 {
+                    Setpoint::held(piece.start)
+                } else {
+                    Segment::from(piece).at(t - begin)
+                };
+            }
+            begin = next;
+        }
+        Setpoint::held(self.reached)
+    }
+
+    /// The motion as a profile of its own.
+    #[must_use]
+    pub fn to_profile(&self) -> Profile {
+        Profile::new(self.pieces.iter().copied().map(Segment::from).collect(), self.reached)
+    }
+}
