@@ -24,6 +24,7 @@ impl Problem {
         limits: Limits,
         short_path: ShortPathPolicy,
     ) -> Result<Self, InvalidFields> {
+        let (start, goal) = (start.with_positive_zeros(), goal.with_positive_zeros());
         let mut invalid = InvalidFields::default();
         note_not_finite(&mut invalid, &start, &goal);
         if invalid.is_empty() {

@@ -48,6 +48,17 @@ impl State {
         Self { position: -self.position, velocity: -self.velocity, acceleration: -self.acceleration }
     }
 
+    /// The same state with every zero positive: the wire does not carry the sign of a zero, and replicas that got a plan
+    /// over it must sample the same bits as the one that made it.
+    #[must_use]
+    pub fn with_positive_zeros(self) -> Self {
+        Self {
+            position: self.position + 0.0,
+            velocity: self.velocity + 0.0,
+            acceleration: self.acceleration + 0.0,
+        }
+    }
+
     /// Neither moving nor accelerating?
     #[must_use]
     pub fn is_at_rest(&self) -> bool {

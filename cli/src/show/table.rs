@@ -3,8 +3,8 @@
 use std::io;
 
 use planner::{
-    AdjustmentReason, AxisKind, AxisPlan, Certificate, Classification, EightType, Family, Judged, Plan,
-    Quantity,
+    AdjustmentReason, AsymmetricType, AxisKind, AxisPlan, Certificate, Classification, EightType, Family,
+    Judged, Plan, Quantity,
 };
 
 use crate::show::number::{self, column, plain, unit};
@@ -222,9 +222,20 @@ fn family(family: Family) -> &'static str {
 
 /// The shape in words.
 pub(crate) fn classification(classification: &Classification, kind: AxisKind) -> String {
-    let Classification { eight_type, feed_rate } = *classification;
+    // The six cases tell less than the eight types do, and are given with them.
+    let Classification { eight_type, asymmetric_type, six_case: _, feed_rate } = *classification;
     let peak = format!("{} {}", plain(feed_rate), unit(kind, Quantity::Velocity));
-    let Some(eight_type) = eight_type else { return "stands still".to_owned() };
+    let Some(eight_type) = eight_type else {
+        return match asymmetric_type {
+            Some(asymmetric) => format!(
+                "asymmetric type {} ({}), peak {peak}",
+                asymmetric.name(),
+                asymmetric_words(asymmetric)
+            ),
+            None if feed_rate == 0.0 => "stands still".to_owned(),
+            None => format!("peak {peak}"),
+        };
+    };
     let words = match eight_type {
         EightType::Type1 => "cruises, full acceleration both ways",
         EightType::Type2 => "cruises, full acceleration only while speeding up",
@@ -238,6 +249,19 @@ pub(crate) fn classification(classification: &Classification, kind: AxisKind) ->
         EightType::Type8C => "path too short, one ramp to the nearest velocity",
     };
     format!("type {} ({words}), peak {peak}", eight_type.name())
+}
+
+fn asymmetric_words(kind: AsymmetricType) -> &'static str {
+    match kind {
+        AsymmetricType::Type1 => "cruises, full acceleration both ways",
+        AsymmetricType::Type2 => "no cruise, full acceleration both ways",
+        AsymmetricType::Type3 => "no cruise, never at full acceleration",
+        AsymmetricType::Type4 => "no cruise, full acceleration only while speeding up",
+        AsymmetricType::Type5 => "no cruise, full acceleration only while slowing down",
+        AsymmetricType::Type6 => "cruises, full acceleration only while speeding up",
+        AsymmetricType::Type7 => "cruises, full acceleration only while slowing down",
+        AsymmetricType::Type8 => "cruises, never at full acceleration",
+    }
 }
 
 fn why(reason: AdjustmentReason) -> &'static str {

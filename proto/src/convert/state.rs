@@ -5,7 +5,7 @@ use crate::pb;
 impl From<pb::AxisState> for State {
     fn from(wire: pb::AxisState) -> Self {
         let pb::AxisState { position, velocity, acceleration } = wire;
-        Self { position, velocity, acceleration }
+        Self { position, velocity, acceleration }.with_positive_zeros()
     }
 }
 
