@@ -74,6 +74,24 @@ impl AdjustmentReason {
 }
 
 impl Move {
+    /// A motion of no pieces, to which another family adds its own.
+    pub(crate) fn nothing(reached: State, adjustment: Option<Adjustment>) -> Self {
+        let mut adjustments = ArrayVec::new();
+        adjustments.extend(adjustment);
+        let classification = Classification::default();
+        Self { segments: ArrayVec::new(), reached, adjustments, classification }
+    }
+
+    /// The pieces, to be laid.
+    pub(crate) fn pieces(&mut self) -> &mut ArrayVec<Segment, MAX_PIECES> {
+        &mut self.segments
+    }
+
+    /// Names the shape.
+    pub(crate) fn classify(&mut self, classification: Classification) {
+        self.classification = classification;
+    }
+
     /// The pieces, in order; none where nothing moves.
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
@@ -155,11 +173,7 @@ pub fn plan_move(problem: &Problem) -> Result<Move, InvalidFields> {
         jerk: limits.jerk(),
     };
     let mut adjustments = ArrayVec::new();
-    let fastest = limits.velocity_towards(direction);
-    if let Some(asked) = limits.spec().feed_rate.filter(|&feed_rate| feed_rate > fastest) {
-        let reason = AdjustmentReason::FeedRateAboveLimit;
-        adjustments.push(Adjustment { quantity: Quantity::Velocity, asked, planned: fastest, reason });
-    }
+    adjustments.extend(feed_rate_above_limit(limits, direction));
     let (shape, reason) =
         shape(&lane, problem.short_path()).map_err(|refusal| refusal.of(&lane, direction))?;
     let mut reached = problem.goal();
@@ -175,6 +189,14 @@ pub fn plan_move(problem: &Problem) -> Result<Move, InvalidFields> {
         planned.classification = Classification { eight_type: None, feed_rate: lane.start };
     }
     Ok(planned)
+}
+
+/// What is said of a feed rate above the velocity limit, which holds.
+pub(crate) fn feed_rate_above_limit(limits: &Limits, direction: f64) -> Option<Adjustment> {
+    let planned = limits.velocity_towards(direction);
+    let asked = limits.spec().feed_rate.filter(|&feed_rate| feed_rate > planned)?;
+    let reason = AdjustmentReason::FeedRateAboveLimit;
+    Some(Adjustment { quantity: Quantity::Velocity, asked, planned, reason })
 }
 
 /// The fastest stop from a constant speed, within `limits`.
