@@ -102,7 +102,9 @@ pub enum Why {
     #[error("is not set: say the order of the polynomial, 2 to {max}", max = crate::MAX_ORDER)]
     OrderMissing,
     /// An order that the family does not have.
-    #[error("asks for order {given}: the family {family} has order {order}, so leave it out or choose POLYNOMIAL")]
+    #[error(
+        "asks for order {given}: the family {family} has order {order}, so leave it out or choose POLYNOMIAL"
+    )]
     OrderOfFamily {
         /// The order that was asked for.
         given: u32,

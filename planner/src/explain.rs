@@ -90,7 +90,9 @@ fn binding(segment: &Segment, limits: &Limits) -> Option<Quantity> {
     let (start, end) = (segment.derivatives(0.0), segment.derivatives(segment.duration));
     (4..=law.order())
         .find(|&order| {
-            limits.higher(order).is_some_and(|limit| reaches(start[order], limit) && reaches(end[order], limit))
+            limits
+                .higher(order)
+                .is_some_and(|limit| reaches(start[order], limit) && reaches(end[order], limit))
         })
         .map(|order| Quantity::BY_ORDER[order])
 }

@@ -4,8 +4,8 @@ use alloc::vec::Vec;
 use crate::error::{Field, InvalidFields, Why};
 use crate::request::{AxisKind, AxisMove, Family, Request, Synchronization};
 use crate::solve::{Adjustment, AdjustmentReason, Move, plan_move, plan_stop};
-use crate::{plan_polynomial, plan_trigonometric};
 use crate::{Classification, Cursor, CycleTime, Limits, Profile, Quantity, Setpoint, ShortPathPolicy, State};
+use crate::{plan_polynomial, plan_trigonometric};
 
 /// How a plan was made, so that an operation on it can be planned the same way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -25,9 +25,9 @@ use crate::{Derivatives, Law, Limits, MAX_ORDER, Problem, Profile, Segment, Stat
 /// level.
 const SNAP: f64 = 2.0 * f64::EPSILON;
 
-/// Scaled limits stop here, as a power of two: far above what any motion reaches, so that they hold nothing back, and far
-/// enough inside the numbers for products of eight of them.
-const GREATEST_EXPONENT: i32 = 100;
+/// Scaled limits of order k stop at 2^(64·k): one that is reached within 2⁻⁶⁴ of the time of the move holds nothing back, and so
+/// the numbers stay far enough inside their range for what the recursion multiplies.
+const GREATEST_EXPONENT: i32 = 64;
 
 /// The pieces before the cruise of the longest template.
 const MAX_HALF: usize = (1 << (MAX_ORDER - 1)) - 1;
@@ -246,8 +246,11 @@ impl Solution {
         // Of the derivative `order`: a power of two.
         let unit = |order: usize| length - order as i32 * time;
         let mut scaled = [0.0; MAX_ORDER + 1];
-        for (order, (value, &(mantissa, exponent))) in scaled.iter_mut().zip(&parts[..given.len()]).enumerate() {
-            *value = mantissa * power_of_two((exponent - unit(order)).min(GREATEST_EXPONENT));
+        for (order, (value, &(mantissa, exponent))) in
+            scaled.iter_mut().zip(&parts[..given.len()]).enumerate()
+        {
+            let greatest = GREATEST_EXPONENT * order as i32;
+            *value = mantissa * power_of_two((exponent - unit(order)).min(greatest));
         }
         let mut solution = Self::scaled(&scaled[..given.len()]);
         let second = power_of_two(time);
@@ -270,7 +273,8 @@ impl Solution {
         let (mut peak, mut sum) = (given[order], 0.0);
         for level in (0..order).rev() {
             // `limits[r]` is that of the derivative which has r more lengths to go.
-            let length = if sum == 0.0 { first_length(given, peak) } else { next_length(&given[..=level], peak, sum) };
+            let length =
+                if sum == 0.0 { first_length(given, peak) } else { next_length(&given[..=level], peak, sum) };
             let hold = length - sum;
             let hold = if hold > SNAP * order as f64 * length { hold } else { 0.0 };
             let length = sum + hold;
@@ -285,8 +289,7 @@ impl Solution {
 }
 
 /// 2^(r·(r − 1)/2): what the lengths multiply to when each is the sum of those before it.
-const DOUBLINGS: [f64; MAX_ORDER] =
-    [1.0, 1.0, 2.0, 8.0, 64.0, 1024.0, 32_768.0, 2_097_152.0];
+const DOUBLINGS: [f64; MAX_ORDER] = [1.0, 1.0, 2.0, 8.0, 64.0, 1024.0, 32_768.0, 2_097_152.0];
 
 /// The first length: the least `y` of `y^(r+1) = C` over the distance and all limits.
 ///
@@ -384,8 +387,7 @@ impl PolynomialMove {
     /// derivative to its peak ends, the derivative and all above it are known and are put there exactly: what a long hold
     /// multiplies carries no rounding of the short pieces before it.
     fn lay<const N: usize>(&self) -> Vec<Segment> {
-        let count: usize =
-            (1..=N).filter(|&p| self.holds[p - 1] > 0.0).map(|p| 1 << (p - 1)).sum();
+        let count: usize = (1..=N).filter(|&p| self.holds[p - 1] > 0.0).map(|p| 1 << (p - 1)).sum();
         let mut segments = Vec::with_capacity(count);
         let mut after = ArrayVec::<Segment, MAX_HALF>::new();
         let mut weights = [[0.0; MAX_ORDER + 1]; MAX_ORDER + 1];
@@ -397,7 +399,8 @@ impl PolynomialMove {
                 weight *= t / (i as f64 + 1.0);
             }
         }
-        let signed = |negative: bool, peak: f64| if negative { -self.direction * peak } else { self.direction * peak };
+        let signed =
+            |negative: bool, peak: f64| if negative { -self.direction * peak } else { self.direction * peak };
         let mut now = [0.0; MAX_ORDER + 1];
         for k in 1..=1usize << (N - 1) {
             let p = N - k.trailing_zeros() as usize;

@@ -187,7 +187,10 @@ impl TryFrom<RequestSpec> for Request {
         } = spec;
         let mut invalid = InvalidFields::default();
         let several = axes.len() > 1;
-        invalid.note("family", family.as_ref().err().cloned().or(family.as_ref().ok().and_then(|family| family_gap(*family))));
+        invalid.note(
+            "family",
+            family.as_ref().err().cloned().or(family.as_ref().ok().and_then(|family| family_gap(*family))),
+        );
         let law = Shape { family: *family.as_ref().unwrap_or(&Family::SCurve), order };
         invalid.note("order", law.wrong_order());
         invalid.note("minimum_duration", minimum_duration.map(minimum_duration_gap));

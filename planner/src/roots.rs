@@ -59,11 +59,7 @@ const NEWTON_STEPS: usize = 12;
 /// `value_and_slope` gives both at `x`. Newton's method inside a bracket: a step out of the bracket becomes the bracket's
 /// middle; a step shorter than the resolution is taken as far as that towards the other end, which is then nearer than
 /// asked. Where a function is too flat for that, the bracket is halved to the end, so that it ends whatever was given.
-pub(crate) fn sign_change(
-    from: f64,
-    to: f64,
-    value_and_slope: impl Fn(f64) -> (f64, f64),
-) -> Option<f64> {
+pub(crate) fn sign_change(from: f64, to: f64, value_and_slope: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
     let (at_from, at_to) = (value_and_slope(from).0, value_and_slope(to).0);
     if at_from == 0.0 || at_to == 0.0 {
         return Some(if at_to == 0.0 { to } else { from });

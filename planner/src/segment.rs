@@ -151,7 +151,8 @@ impl Segment {
                     (velocity, acceleration)
                 };
                 let middle = turn.unwrap_or(self.duration);
-                let zeros = [turn, sign_change(0.0, middle, speed), sign_change(middle, self.duration, speed)];
+                let zeros =
+                    [turn, sign_change(0.0, middle, speed), sign_change(middle, self.duration, speed)];
                 times.extend(zeros.into_iter().flatten().filter(inside));
             }
         }

@@ -113,7 +113,8 @@ fn lay(segments: &mut ArrayVec<Segment, MAX_PIECES>, times: &Times, from: f64, t
             segments.push(Segment { duration, start: State { position, velocity, acceleration }, law });
         }
     };
-    let (up, down, still) = (Law::CosineJerk { peak }, Law::CosineJerk { peak: -peak }, Law::ConstantJerk(0.0));
+    let (up, down, still) =
+        (Law::CosineJerk { peak }, Law::CosineJerk { peak: -peak }, Law::ConstantJerk(0.0));
     lay(pulse, from, 0.0, 0.0, up);
     lay(hold, from + second.position, second.velocity, acceleration, still);
     lay(pulse, from + third.position, third.velocity, acceleration, down);

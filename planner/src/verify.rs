@@ -258,7 +258,8 @@ impl Certificate {
                 }
             }
             let Worst { margin, limit, extremum, at_time } = worst;
-            let check = LimitCheck { axis: axis.into(), quantity, limit, extremum, at_time, margin, guaranteed };
+            let check =
+                LimitCheck { axis: axis.into(), quantity, limit, extremum, at_time, margin, guaranteed };
             self.limits.push(check);
         }
 
@@ -274,7 +275,13 @@ impl Certificate {
                 self.joins.push(join);
             }
             if order < 3 {
-                let residual = largest((last[order] - end[order]).abs(), (end[order] - goal[order]).abs());
+                let missed = (end[order] - goal[order]).abs();
+                // What may jump may jump to its end.
+                let residual = if promise.joined[order] {
+                    largest((last[order] - end[order]).abs(), missed)
+                } else {
+                    missed
+                };
                 self.ends.push(EndCheck { axis: axis.into(), quantity, residual, allowed });
             }
         }
@@ -299,7 +306,13 @@ impl Jumps {
         let mut end = None;
         for (time, segment) in profile.timed_segments() {
             let start = derivatives(segment, 0.0, highest);
-            jumps.see(if end.is_none() { 3 } else { 0 }, highest, end.as_ref().unwrap_or(&still), &start, time);
+            jumps.see(
+                if end.is_none() { 3 } else { 0 },
+                highest,
+                end.as_ref().unwrap_or(&still),
+                &start,
+                time,
+            );
             end = Some(derivatives(segment, segment.duration, highest));
         }
         if let Some(end) = end {
@@ -356,9 +369,10 @@ impl Worst {
 
     /// Takes `extremum` where its margin is less.
     fn see(&mut self, margin: f64, limit: f64, extremum: f64, at_time: f64) {
-        // NaN counts as worst.
+        // NaN counts as worst. Far inside a limit margins round to the same number; the greater magnitude tells.
         let better = margin >= self.margin;
-        if !better {
+        let same = better && margin <= self.margin;
+        if !better || (same && extremum.abs() > self.extremum.abs()) {
             *self = Self { margin, limit, extremum, at_time };
         }
     }

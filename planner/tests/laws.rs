@@ -153,10 +153,10 @@ fn check_mirrored(case: &Case) {
     let turned: Vec<Segment> = mirrored
         .segments()
         .iter()
-        .map(|&Segment { duration, start, law: Law::ConstantJerk(jerk) }| Segment {
+        .map(|&Segment { duration, start, law }| Segment {
             duration,
             start: start.mirrored(),
-            law: Law::ConstantJerk(-jerk),
+            law: law.mirrored(),
         })
         .collect();
     assert_eq!(ours.segments(), turned);
@@ -365,7 +365,7 @@ fn check_mutations(case: &Case) {
                     2 | 3 if hardest == 0.0 => continue,
                     // As much as changes the acceleration by a part of the hardest.
                     3 => {
-                        let Law::ConstantJerk(jerk) = piece.law;
+                        let Law::ConstantJerk(jerk) = piece.law else { panic!("{:?}", piece.law) };
                         piece.law = Law::ConstantJerk(jerk + change * hardest / piece.duration);
                     }
                     _ => piece.duration += change * planned.duration(),

@@ -1,6 +1,7 @@
 use planner::{
-    Adjustment, AdjustmentReason, AxisPlan, Classification, CycleTime, Derivatives, EightType, Field, InvalidField,
-    InvalidFields, Judged, Law, Limits, LimitsSpec, Maker, Method, Plan, Profile, Segment, State, Why,
+    Adjustment, AdjustmentReason, AxisPlan, Classification, CycleTime, Derivatives, EightType, Field,
+    InvalidField, InvalidFields, Judged, Law, Limits, LimitsSpec, Maker, Method, Plan, Profile, Segment,
+    State, Why,
 };
 
 use super::choice::{

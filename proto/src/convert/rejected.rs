@@ -81,7 +81,9 @@ fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
         Why::PositionLimit { reached, allowed, .. } => {
             rejected.with("needed", allowed).with("given", reached).with("nearest", allowed)
         }
-        Why::NotFinite { given } | Why::NotPositive { given } | Why::NotAtRest { given, .. } => rejected.with("given", given),
+        Why::NotFinite { given } | Why::NotPositive { given } | Why::NotAtRest { given, .. } => {
+            rejected.with("given", given)
+        }
         _ => rejected,
     }
 }
