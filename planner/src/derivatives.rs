@@ -8,7 +8,7 @@ const MOST: usize = MAX_ORDER - 2;
 
 /// 1/k: what Horner's scheme for a Taylor series multiplies by. A product instead of a quotient costs half a unit in the
 /// last place and saves most of the time.
-const RECIPROCAL: [f64; MAX_ORDER + 1] =
+pub(crate) const RECIPROCAL: [f64; MAX_ORDER + 1] =
     [0.0, 1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 5.0, 1.0 / 6.0, 1.0 / 7.0, 1.0 / 8.0];
 
 /// Jerk, snap … at the start of a piece [axis units/s³, /s⁴ …]; the last of them stays constant.
@@ -36,6 +36,13 @@ impl Derivatives {
         let mut values = [0.0; MOST];
         values[..given.len()].copy_from_slice(given);
         Some(Self { values, count: given.len() as u8 })
+    }
+
+    /// Jerk and what is above it, of which everything above `order` is zero.
+    #[inline]
+    pub(crate) fn up_to(order: usize, jerk: f64, higher: [f64; MOST - 1]) -> Self {
+        let [snap, crackle, pop, lock, drop] = higher;
+        Self { values: [jerk, snap, crackle, pop, lock, drop], count: order as u8 - 2 }
     }
 
     /// The derivatives, jerk first.

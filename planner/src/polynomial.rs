@@ -15,6 +15,7 @@ use alloc::vec::Vec;
 use arrayvec::ArrayVec;
 
 use crate::classify::Classification;
+use crate::derivatives::RECIPROCAL;
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::{least, sqrt};
 use crate::roots::fall_to_root;
@@ -159,12 +160,12 @@ impl PolynomialMove {
 pub fn plan_polynomial(problem: &Problem, order: u32) -> Result<PolynomialMove, InvalidFields> {
     let (limits, goal) = (problem.limits(), problem.goal());
     let order = order as usize;
-    let mut invalid = InvalidFields::default();
-    invalid.note("order", unsupported(order));
-    invalid.extend_within(&Field::named("limits"), missing_limits(limits, order));
-    note_motion(&mut invalid, "POLYNOMIAL", [("start", &problem.start()), ("goal", &goal)]);
-    if !invalid.is_empty() {
-        return Err(invalid);
+    let fits = unsupported(order).is_none()
+        && (4..=order).all(|above| limits.higher(above).is_some())
+        && problem.start().is_at_rest()
+        && goal.is_at_rest();
+    if !fits {
+        return Err(refusal(problem, order));
     }
     let direction = problem.direction();
     let mut given = [0.0; MAX_ORDER + 1];
@@ -181,6 +182,16 @@ pub fn plan_polynomial(problem: &Problem, order: u32) -> Result<PolynomialMove, 
     let adjustments = feed_rate_above_limit(limits, direction).into_iter().collect();
     let classification = Classification { feed_rate: peaks[1], ..Classification::default() };
     Ok(PolynomialMove { order, start, reached, direction, holds, boxes, peaks, adjustments, classification })
+}
+
+/// Everything that keeps a problem from having a polynomial of `order`.
+#[cold]
+fn refusal(problem: &Problem, order: usize) -> InvalidFields {
+    let mut invalid = InvalidFields::default();
+    invalid.note("order", unsupported(order));
+    invalid.extend_within(&Field::named("limits"), missing_limits(problem.limits(), order));
+    note_motion(&mut invalid, "POLYNOMIAL", [("start", &problem.start()), ("goal", &problem.goal())]);
+    invalid
 }
 
 /// What is wrong with an order; nothing if there are polynomials of it.
@@ -234,7 +245,7 @@ impl Solution {
     fn of(given: &[f64]) -> Self {
         let mut parts = [(0.0, 0); MAX_ORDER + 1];
         for (part, &value) in parts.iter_mut().zip(given) {
-            *part = libm::frexp(value);
+            *part = split(value);
         }
         let length = parts[0].1;
         let time = (1..given.len()).map(|order| {
@@ -288,15 +299,17 @@ impl Solution {
     }
 }
 
-/// 2^(r·(r − 1)/2): what the lengths multiply to when each is the sum of those before it.
-const DOUBLINGS: [f64; MAX_ORDER] = [1.0, 1.0, 2.0, 8.0, 64.0, 1024.0, 32_768.0, 2_097_152.0];
+/// 2^(−r·(r − 1)/2): the inverse of what the lengths multiply to when each is the sum of those before it.
+const HALVINGS: [f64; MAX_ORDER] =
+    [1.0, 1.0, 0.5, 0.125, 0.015_625, 9.765_625e-4, 3.051_757_812_5e-5, 4.768_371_582_031_25e-7];
 
 /// The first length: the least `y` of `y^(r+1) = C` over the distance and all limits.
 ///
 /// The exponents tell beforehand which is likely to be least, so that mostly one root is taken.
 fn first_length(given: &[f64], peak: f64) -> f64 {
     let order = given.len() - 1;
-    let target = |r: usize| given[order - 1 - r] / (peak * DOUBLINGS[r]);
+    let unit = 1.0 / peak;
+    let target = |r: usize| given[order - 1 - r] * HALVINGS[r] * unit;
     let mut likely = 0;
     let mut least_log = i64::MAX;
     for r in 0..order {
@@ -317,9 +330,10 @@ fn first_length(given: &[f64], peak: f64) -> f64 {
 /// A later length: the least `y` of `y·(sum + y)^r = C`, and no less than `sum`.
 fn next_length(limits: &[f64], peak: f64, sum: f64) -> f64 {
     let last = limits.len() - 1;
+    let unit = 1.0 / peak;
     let mut length = limits[last] / peak;
     for r in 1..=last {
-        let target = limits[last - r] / (peak * DOUBLINGS[r]);
+        let target = limits[last - r] * HALVINGS[r] * unit;
         if length <= sum || sum * power(2.0 * sum, r) >= target {
             return sum;
         }
@@ -373,6 +387,16 @@ fn power(x: f64, k: usize) -> f64 {
     product
 }
 
+/// A positive number as a part in 1..2 and a power of two; in 0.5..1 below the normal numbers.
+fn split(x: f64) -> (f64, i32) {
+    const MANTISSA: u64 = (1 << 52) - 1;
+    let bits = x.to_bits();
+    if x < f64::MIN_POSITIVE {
+        return libm::frexp(x);
+    }
+    (f64::from_bits((bits & MANTISSA) | 1.0f64.to_bits()), (bits >> 52) as i32 - 1023)
+}
+
 /// 2^`exponent`, or the nearest normal number to it.
 fn power_of_two(exponent: i32) -> f64 {
     let biased = (exponent + 1023).clamp(1, 2046);
@@ -384,39 +408,37 @@ impl PolynomialMove {
     /// from the goal, each relative to its own end, so that both ends are met to the last bit.
     ///
     /// Piece k of the template holds derivative p = n − (number of zeros at the end of k in binary). Where a block that raises a
-    /// derivative to its peak ends, the derivative and all above it are known and are put there exactly: what a long hold
+    /// derivative to its peak ends (of blocks that go + − − + − + + −, as Thue and Morse have it), the derivative and all above it are known and are put there exactly: what a long hold
     /// multiplies carries no rounding of the short pieces before it.
     fn lay<const N: usize>(&self) -> Vec<Segment> {
         let count: usize = (1..=N).filter(|&p| self.holds[p - 1] > 0.0).map(|p| 1 << (p - 1)).sum();
         let mut segments = Vec::with_capacity(count);
         let mut after = ArrayVec::<Segment, MAX_HALF>::new();
-        let mut weights = [[0.0; MAX_ORDER + 1]; MAX_ORDER + 1];
-        for p in 1..=N {
-            let t = self.holds[p - 1];
-            let mut weight = t;
-            for i in 1..=p {
-                weights[p][i] = weight;
-                weight *= t / (i as f64 + 1.0);
+        let (from, to) = (self.start.position, self.reached.position);
+        // Signed peaks, and of each hold the powers of its length over the factorials.
+        let peaks = self.peaks.map(|peak| self.direction * peak);
+        let mut powers = [[0.0; MAX_ORDER + 1]; MAX_ORDER + 1];
+        for (powers, hold) in powers[1..].iter_mut().zip(&self.holds[..N]) {
+            let mut power = *hold;
+            for i in 1..=N {
+                powers[i] = power;
+                power *= hold * RECIPROCAL[(i + 1).min(MAX_ORDER)];
             }
         }
-        let signed =
-            |negative: bool, peak: f64| if negative { -self.direction * peak } else { self.direction * peak };
+        let turned = |block: usize, peak: f64| if block.count_ones() % 2 == 1 { -peak } else { peak };
         let mut now = [0.0; MAX_ORDER + 1];
         for k in 1..=1usize << (N - 1) {
             let p = N - k.trailing_zeros() as usize;
-            if p == N {
-                now[N] = signed(turned(k >> 1), self.peaks[N]);
-            } else {
-                now[N] = 0.0;
-            }
+            now[N] = if p == N { turned(k >> 1, peaks[N]) } else { 0.0 };
             let duration = self.holds[p - 1];
             if duration > 0.0 {
-                segments.push(piece::<N>(duration, p, self.start.position, &now));
-                let weights = &weights[p];
-                for m in 0..p {
+                segments.push(piece(duration, p, from, &now));
+                // What is above p is zero, and adds nothing.
+                let powers = &powers[p];
+                for m in 0..N {
                     let mut gain = 0.0;
-                    for i in 1..=p - m {
-                        gain += weights[i] * now[m + i];
+                    for i in 1..=N - m {
+                        gain += powers[i] * now[m + i];
                     }
                     now[m] += gain;
                 }
@@ -426,33 +448,28 @@ impl PolynomialMove {
                 for m in N - raised + 1..N {
                     now[m] = 0.0;
                 }
-                now[N - raised] = signed(turned(k >> raised), self.peaks[N - raised]);
+                now[N - raised] = turned(k >> raised, peaks[N - raised]);
             }
             if duration > 0.0 && p > 1 {
-                let mut back = now;
-                for m in (0..=N).step_by(2) {
-                    back[m] = 0.0 - back[m];
-                }
-                after.push(piece::<N>(duration, p, self.reached.position, &back));
+                let [x, v, a, j, s, c, b, l, d] = now;
+                let back = [0.0 - x, v, 0.0 - a, j, 0.0 - s, c, 0.0 - b, l, 0.0 - d];
+                after.push(piece(duration, p, to, &back));
             }
         }
-        segments.extend(after.into_iter().rev());
+        segments.extend(after.iter().rev());
         segments
     }
 }
 
-/// Does block number `index` of a level turn its sign? The blocks go + − − + − + + −: the sequence of Thue and Morse.
-fn turned(index: usize) -> bool {
-    index.count_ones() % 2 == 1
-}
-
-/// A piece whose highest derivative is p, from the derivatives at its start.
-fn piece<const N: usize>(duration: f64, p: usize, origin: f64, now: &[f64; MAX_ORDER + 1]) -> Segment {
-    let start = State { position: origin + now[0], velocity: now[1], acceleration: now[2] };
+/// A piece whose highest derivative is p, from the derivatives at its start; those above p are zero.
+#[inline]
+fn piece(duration: f64, p: usize, origin: f64, now: &[f64; MAX_ORDER + 1]) -> Segment {
+    let [position, velocity, acceleration, jerk, higher @ ..] = *now;
+    let start = State { position: origin + position, velocity, acceleration };
     let law = match p {
         ..=2 => Law::ConstantJerk(0.0),
-        3 => Law::ConstantJerk(now[3]),
-        _ => Derivatives::new(&now[3..=p]).map_or(Law::ConstantJerk(0.0), Law::Polynomial),
+        3 => Law::ConstantJerk(jerk),
+        _ => Law::Polynomial(Derivatives::up_to(p, jerk, higher)),
     };
     Segment { duration, start, law }
 }
