@@ -445,9 +445,7 @@ impl PolynomialMove {
             }
             if p == N {
                 let raised = k.trailing_ones() as usize;
-                for m in N - raised + 1..N {
-                    now[m] = 0.0;
-                }
+                now[N - raised + 1..N].fill(0.0);
                 now[N - raised] = turned(k >> raised, peaks[N - raised]);
             }
             if duration > 0.0 && p > 1 {

@@ -441,10 +441,10 @@ impl Extremes {
         let constant = matches!(segment.law, Law::ConstantJerk(_));
         for &t in if constant { &times[..1] } else { &times[..] } {
             let all = segment.derivatives(t);
-            for order in 4..=highest {
+            for (order, &value) in all.iter().enumerate().take(highest + 1).skip(4) {
                 let limit = limits.higher(order).unwrap_or_default();
-                self.higher[order - 4].see_magnitude(all[order], limit, begin + t);
-                self.hardest[order] = self.hardest[order].max(all[order].abs());
+                self.higher[order - 4].see_magnitude(value, limit, begin + t);
+                self.hardest[order] = self.hardest[order].max(value.abs());
             }
         }
     }

@@ -45,9 +45,9 @@ fn polynomials_at_random() {
         let duration = random.decades(1e-3, 1e3);
         let mut values = [0.0; MAX_ORDER + 1];
         let mut sizes = [0.0; MAX_ORDER + 1];
-        for k in 0..=order {
+        for (k, value) in values.iter_mut().enumerate().take(order + 1) {
             let part = if random.bits().is_multiple_of(8) { 0.0 } else { random.between(-1.0, 1.0) };
-            values[k] = part * factorial(k) / duration.powi(k as i32);
+            *value = part * factorial(k) / duration.powi(k as i32);
         }
         check_polynomial(duration, &values, &mut sizes, order);
     }
@@ -74,8 +74,8 @@ fn polynomials_with_chosen_zeros() {
             }
         }
         let mut values = [0.0; MAX_ORDER + 1];
-        for k in 0..=order {
-            values[k] = coefficients[k] * factorial(k);
+        for (k, (value, coefficient)) in values.iter_mut().zip(coefficients).enumerate() {
+            *value = coefficient * factorial(k);
         }
         check_polynomial(1.0, &values, &mut [0.0; MAX_ORDER + 1], order);
     }

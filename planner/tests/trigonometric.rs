@@ -1,6 +1,6 @@
 //! Nguyen, Ng and Chen (2008), the trigonometric model: a hundred moves solved at 60 digits.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test may fail by panicking")]
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 mod common;
 
