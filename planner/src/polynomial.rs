@@ -248,11 +248,7 @@ impl Solution {
             *part = split(value);
         }
         let length = parts[0].1;
-        let time = (1..given.len()).map(|order| {
-            let order_i32 = order as i32;
-            let exponent = length - parts[order].1;
-            exponent.div_euclid(order_i32) + i32::from(exponent.rem_euclid(order_i32) != 0)
-        });
+        let time = (1..given.len()).map(|order| quotient_up(length - parts[order].1, order));
         let time = time.fold(i32::MIN, i32::max);
         // Of the derivative `order`: a power of two.
         let unit = |order: usize| length - order as i32 * time;
@@ -311,9 +307,9 @@ fn first_length(given: &[f64], peak: f64) -> f64 {
     let unit = 1.0 / peak;
     let target = |r: usize| given[order - 1 - r] * HALVINGS[r] * unit;
     let mut likely = 0;
-    let mut least_log = i64::MAX;
+    let mut least_log = f64::MAX;
     for r in 0..order {
-        let log = log2(target(r)) / (r as i64 + 1);
+        let log = log2(target(r)) * RECIPROCAL[r + 1];
         if log < least_log {
             (likely, least_log) = (r, log);
         }
@@ -370,13 +366,13 @@ fn root(x: f64, k: usize) -> f64 {
 /// A little more than the k-th root, k ≥ 2: at most 13 % more. The bits of a number, read as an integer, grow as its logarithm
 /// does, but for 0.086 between two powers of two.
 fn rough_root(x: f64, k: usize) -> f64 {
-    let bits = 1.0f64.to_bits() as i64 + log2(x) / k as i64;
+    let bits = 1.0f64.to_bits() as i64 + (log2(x) * RECIPROCAL[k]) as i64;
     1.0625 * f64::from_bits(bits as u64)
 }
 
 /// About 2⁵²·log₂ of a positive number.
-fn log2(x: f64) -> i64 {
-    x.to_bits() as i64 - 1.0f64.to_bits() as i64
+fn log2(x: f64) -> f64 {
+    (x.to_bits() as i64 - 1.0f64.to_bits() as i64) as f64
 }
 
 fn power(x: f64, k: usize) -> f64 {
@@ -385,6 +381,23 @@ fn power(x: f64, k: usize) -> f64 {
         product *= x;
     }
     product
+}
+
+/// `x` over `k` in 1..=8, rounded up, for |x| up to 2200: by a product, as quotients of integers are slow.
+fn quotient_up(x: i32, k: usize) -> i32 {
+    /// A multiple of 1 to 8, so that what is divided is positive.
+    const SHIFT: i32 = 3360;
+    const PARTS: [i32; MAX_ORDER + 1] = {
+        let mut parts = [0; MAX_ORDER + 1];
+        let mut k = 1;
+        while k <= MAX_ORDER {
+            parts[k] = (1 << 16) / k as i32 + 1;
+            k += 1;
+        }
+        parts
+    };
+    let whole = ((x + SHIFT + k as i32 - 1) * PARTS[k]) >> 16;
+    whole - ((SHIFT * PARTS[k]) >> 16)
 }
 
 /// A positive number as a part in 1..2 and a power of two; in 0.5..1 below the normal numbers.

@@ -40,11 +40,11 @@ pub struct Open {
     pub stream: String,
     /// Chosen by the axis, larger at every open.
     pub epoch: u64,
-    /// How far ahead the axis wants to hold setpoints [cycles]; also the first grant.
+    /// How far ahead the axis wants to hold setpoints \[cycles\]; also the first grant.
     pub lead_cycles: u32,
     /// How many cycles go into a batch at most.
     pub batch_cycles: u32,
-    /// A replacing batch begins later than executed + this [cycles].
+    /// A replacing batch begins later than executed + this \[cycles\].
     pub axis_guard: u32,
     /// Finish when the plan ends, instead of standing still?
     pub close_at_rest: bool,
@@ -56,13 +56,13 @@ pub struct Open {
     pub plan: Accepted,
 }
 
-/// How far ahead an axis holds setpoints where it does not say [cycles].
+/// How far ahead an axis holds setpoints where it does not say \[cycles\].
 pub const DEFAULT_LEAD_CYCLES: u32 = 40;
 /// How many cycles go into a batch where the axis does not say.
 pub const DEFAULT_BATCH_CYCLES: u32 = 10;
-/// How far beyond the executed cycle a replacing batch begins where the axis does not say [cycles].
+/// How far beyond the executed cycle a replacing batch begins where the axis does not say \[cycles\].
 pub const DEFAULT_AXIS_GUARD: u32 = 2;
-/// The farthest that a server sends past the reported executed cycle [cycles], whatever is granted.
+/// The farthest that a server sends past the reported executed cycle \[cycles\], whatever is granted.
 pub const FARTHEST_AHEAD: u64 = 4096;
 
 /// A plan under way, with everything that operations on it need.
@@ -76,7 +76,7 @@ pub struct Motion {
     pub digest_before: Digest,
     /// From there on, with the closing stop of a plan that ends at speed.
     pub plan: Accepted,
-    /// Of the feed rate [1].
+    /// Of the feed rate \[1\].
     pub override_factor: f64,
     /// What the motion is doing.
     pub phase: Phase,
@@ -344,7 +344,7 @@ pub struct Tracking {
     pub measured_position: Vec<f64>,
     /// Setpoint minus measured [axis units].
     pub following_error: Vec<f64>,
-    /// How late each cycle began [ns].
+    /// How late each cycle began \[ns\].
     pub cycle_jitter_ns: Vec<i32>,
 }
 
