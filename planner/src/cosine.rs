@@ -21,7 +21,8 @@ use crate::{Setpoint, State};
 /// Below this angle \[rad\] the brackets are summed as series.
 const SERIES_BELOW: f64 = 1.0;
 
-#[inline]
+// Apart, so that the S-curve's few operations stay small where they are inlined.
+#[inline(never)]
 pub(crate) fn setpoint(start: &State, peak: f64, duration: f64, t: f64) -> Setpoint {
     let angle = TAU * (t / duration);
     let (versine, brackets) =

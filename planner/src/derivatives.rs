@@ -66,7 +66,8 @@ impl Derivatives {
     /// ```text
     /// p(t) = p + t·(v + t/2·(a + t/3·(j + t/4·(…))))      v(t) = v + t·(a + t/2·(j + t/3·(…)))      …
     /// ```
-    #[inline]
+    // Apart, so that the S-curve's few operations stay small where they are inlined.
+    #[inline(never)]
     pub(crate) fn setpoint(&self, start: &State, t: f64) -> Setpoint {
         let (jerk, above) = (self.values[0], &self.as_slice()[1..]);
         // What each word gets from above jerk, already times t.
