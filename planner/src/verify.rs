@@ -241,7 +241,7 @@ impl Certificate {
         let highest_joined = (3..MAX_ORDER).rev().find(|&order| promise.joined[order]).unwrap_or(2);
         let extremes = Extremes::of(profile, limits, highest.max(highest_joined));
         let allowed = extremes.allowed(&goal);
-        let jumps = Jumps::of(profile, highest.max(highest_joined + 1));
+        let jumps = Jumps::of(profile, highest.max(highest_joined + 1), promise);
 
         for (order, worst) in extremes.worst(limits, highest) {
             if order >= 4 && !asked(order) {
@@ -298,25 +298,22 @@ struct Jumps {
 }
 
 impl Jumps {
-    /// For position, velocity and acceleration, before the first piece and after the last nothing is joined. The derivatives
-    /// above, up to `highest`, join standstill there, or constant speed.
-    fn of(profile: &Profile, highest: usize) -> Self {
+    /// Before the first piece and after the last nothing is joined, but for the derivatives from jerk on, up to `highest`, which
+    /// join standstill there or constant speed, and for an acceleration that may jump, which may jump to its end.
+    fn of(profile: &Profile, highest: usize, promise: &Promise) -> Self {
         let mut jumps = Self { worst: [(0.0, 0.0); MAX_ORDER + 1] };
-        let still = [0.0; MAX_ORDER + 1];
+        let mut still = [0.0; MAX_ORDER + 1];
         let mut end = None;
         for (time, segment) in profile.timed_segments() {
             let start = derivatives(segment, 0.0, highest);
-            jumps.see(
-                if end.is_none() { 3 } else { 0 },
-                highest,
-                end.as_ref().unwrap_or(&still),
-                &start,
-                time,
-            );
+            let lowest = if end.is_none() { 3 } else { 0 };
+            jumps.see(lowest, highest, end.as_ref().unwrap_or(&still), &start, time);
             end = Some(derivatives(segment, segment.duration, highest));
         }
         if let Some(end) = end {
-            jumps.see(3, highest, &end, &still, profile.duration());
+            still[2] = profile.end().acceleration;
+            let lowest = if promise.joined[2] { 3 } else { 2 };
+            jumps.see(lowest, highest, &end, &still, profile.duration());
         }
         jumps
     }
@@ -338,6 +335,12 @@ impl Jumps {
             }
         }
     }
+}
+
+/// The fastest at the start, at the end and where pieces meet: what tells a speed from a rounded zero.
+fn fastest_join(profile: &Profile) -> f64 {
+    let begins = profile.segments().iter().map(|segment| segment.start.velocity.abs());
+    begins.fold(profile.end().velocity.abs(), f64::max)
 }
 
 /// The derivatives at `t`, those above jerk only where they are asked for.
@@ -389,6 +392,8 @@ struct Extremes {
     greatest_position: (f64, f64),
     least_velocity: (f64, f64),
     greatest_velocity: (f64, f64),
+    /// A speed up to this is a rounded zero.
+    zero: f64,
     acceleration: Worst,
     jerk: Worst,
     /// From snap on.
@@ -405,6 +410,7 @@ impl Extremes {
             greatest_position: (start.position, 0.0),
             least_velocity: (start.velocity, 0.0),
             greatest_velocity: (start.velocity, 0.0),
+            zero: VELOCITY_ULPS * f64::EPSILON * fastest_join(profile),
             acceleration: Worst::NONE,
             jerk: Worst::NONE,
             higher: [Worst::NONE; MAX_ORDER - 3],
@@ -453,8 +459,14 @@ impl Extremes {
         let Setpoint { state: State { position, velocity, acceleration }, jerk } = setpoint;
         widen(&mut self.least_position, &mut self.greatest_position, position, time);
         widen(&mut self.least_velocity, &mut self.greatest_velocity, velocity, time);
-        let speeds_up = acceleration * travel >= 0.0;
-        let hardest = if speeds_up { limits.acceleration() } else { limits.deceleration() };
+        let hardest = if travel.abs() <= self.zero {
+            // Which of both it does is a matter of rounding.
+            limits.acceleration().max(limits.deceleration())
+        } else if acceleration * travel >= 0.0 {
+            limits.acceleration()
+        } else {
+            limits.deceleration()
+        };
         self.acceleration.see_magnitude(acceleration, hardest, time);
         self.jerk.see_magnitude(jerk, limits.jerk(), time);
         self.hardest[2] = self.hardest[2].max(acceleration.abs());
