@@ -254,7 +254,7 @@ impl Certificate {
             if order >= 3 && !promise.joined[order - 1] {
                 let (jump, at_time) = jumps.worst[order - 1];
                 if jump.abs() > allowed[order - 1] {
-                    worst.see_magnitude(f64::INFINITY.copysign(jump), worst.limit, at_time);
+                    worst.see_magnitude(f64::INFINITY, worst.limit, at_time);
                 }
             }
             let Worst { margin, limit, extremum, at_time } = worst;
