@@ -154,6 +154,12 @@ pub(crate) struct MoveFlags {
     /// Greatest acceleration while speed shrinks [u/s²]; as --max-acceleration if not given.
     #[arg(long, value_name = "U/S²", help_heading = "Limits")]
     max_deceleration: Option<f64>,
+    /// Greatest snap, the fourth derivative [u/s⁴]; needed by polynomials of order 4 and up.
+    #[arg(long, value_name = "U/S⁴", help_heading = "Limits")]
+    max_snap: Option<f64>,
+    /// Greatest fifth, sixth ... derivative in turn [u/s⁵ ...]; needed by polynomials of order 5 and up.
+    #[arg(long, value_name = "U/S⁵", num_args = 1.., help_heading = "Limits")]
+    max_higher_derivatives: Vec<f64>,
     /// Speed to cruise at [u/s], at most --max-velocity, which it is if not given.
     #[arg(long, value_name = "U/S", help_heading = "Limits")]
     feed_rate: Option<f64>,
@@ -172,10 +178,11 @@ pub(crate) struct MoveFlags {
     /// Name of the axis; x if not given.
     #[arg(long, value_name = "NAME", help_heading = "Axis")]
     axis: Option<String>,
-    /// Shape of the profile; s-curve if not given.
+    /// Shape of the profile: s-curve if not given, trapezoidal (unlimited jerk), polynomial (of --order, from rest to
+    /// rest) or trigonometric (cosine jerk, from rest to rest).
     #[arg(long, value_enum, value_name = "FAMILY", help_heading = "Method")]
     family: Option<FamilyName>,
-    /// Order of a polynomial: its highest limited derivative.
+    /// Order of a polynomial, 2 to 8: its highest limited derivative.
     #[arg(long, value_name = "N", help_heading = "Method")]
     order: Option<u32>,
     /// What to do when the path is too short for the end velocity; reject if not given.
@@ -356,8 +363,9 @@ impl MoveFlags {
             max_velocity_reverse: self.max_velocity_reverse,
             min_position: self.min_position,
             max_position: self.max_position,
+            max_snap: self.max_snap,
+            max_higher_derivatives: self.max_higher_derivatives.clone(),
             feed_rate: self.feed_rate,
-            ..LimitsSpec::default()
         };
         let at = |position, velocity: Option<f64>| State {
             position,
@@ -400,7 +408,7 @@ impl MoveFlags {
 
 /// Fields of a request made from [`MoveFlags`], and the flags that set them. Where one name begins with another, it
 /// comes first.
-const FLAGS: [(&str, &str); 18] = [
+const FLAGS: [(&str, &str); 20] = [
     ("cycle_time", "--cycle-time"),
     ("family", "--family"),
     ("order", "--order"),
@@ -419,6 +427,8 @@ const FLAGS: [(&str, &str); 18] = [
     ("limits.min_position", "--min-position"),
     ("limits.max_position", "--max-position"),
     ("limits.feed_rate", "--feed-rate"),
+    ("limits.max_snap", "--max-snap"),
+    ("limits.max_higher_derivatives", "--max-higher-derivatives"),
 ];
 
 /// The flag that sets the field, so that a refusal speaks of what was typed.

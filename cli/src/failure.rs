@@ -28,7 +28,7 @@ pub(crate) enum Failure {
     Refused(Box<Rejected>),
     /// Nobody answers.
     #[error(
-        "{endpoint} cannot be reached: {cause}: start portamento-server there, or leave --endpoint out to plan in this process"
+        "{endpoint} does not answer, or what it needs does not: {cause}. Start it, or correct the address; plan, verify and sample also work without --endpoint"
     )]
     Unreachable { endpoint: String, cause: String },
     /// Whoever read the output has gone: a quiet end.

@@ -20,8 +20,12 @@ use std::time::Instant;
 
 use common::Random;
 use common::peer::{self, Draw, Peer};
-use criterion::{Criterion, criterion_group, criterion_main};
-use planner::{Problem, plan_move, violations};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion, criterion_group, criterion_main};
+use planner::{
+    AxisKind, AxisMoveSpec, Family, LimitsSpec, Problem, Request, RequestSpec, ShortPathPolicy, State,
+    Synchronization, certify, plan, plan_move, plan_polynomial, plan_trigonometric, violations,
+};
 use rsruckig::prelude::InputParameter;
 
 const PROBLEMS: usize = 4096;
@@ -89,11 +93,97 @@ fn best_round(mut round: impl FnMut()) -> f64 {
     (0..20).map(timed).fold(f64::INFINITY, f64::min)
 }
 
+/// The same moves from rest to rest with limits of snap and crackle that are reached about as often as the others, by the
+/// families of higher order, beside the peer's third order. *Solved*: how long each derivative is held; *laid*: the pieces too,
+/// on the heap.
+fn families(criterion: &mut Criterion) {
+    let mut random = Random(5);
+    let problems: Vec<Problem> = problems(true, false)
+        .into_iter()
+        .map(|problem| {
+            let mut spec = problem.limits().spec().clone();
+            let snap = spec.max_jerk * spec.max_jerk / spec.max_acceleration * random.decades(0.5, 8.0);
+            spec.max_snap = Some(snap);
+            spec.max_higher_derivatives = vec![snap * snap / spec.max_jerk * random.decades(0.5, 8.0)];
+            let limits = spec.try_into().unwrap();
+            Problem::new(problem.start(), problem.goal(), limits, ShortPathPolicy::Reject).unwrap()
+        })
+        .collect();
+    for (name, order) in [("plan/order_4", 4), ("plan/order_5", 5)] {
+        let mut group = criterion.benchmark_group(name);
+        let mut cycle = problems.iter().cycle();
+        group.bench_function("ours, solved", |bencher| {
+            bencher.iter(|| black_box(plan_polynomial(black_box(cycle.next().unwrap()), order)).is_ok());
+        });
+        let mut cycle = problems.iter().cycle();
+        group.bench_function("ours, laid", |bencher| {
+            bencher.iter(|| plan_polynomial(black_box(cycle.next().unwrap()), order).unwrap().to_profile());
+        });
+        peers(&mut group, &problems);
+    }
+    let mut group = criterion.benchmark_group("plan/trigonometric");
+    let mut cycle = problems.iter().cycle();
+    group.bench_function("ours", |bencher| {
+        bencher.iter(|| black_box(plan_trigonometric(black_box(cycle.next().unwrap()))).is_ok());
+    });
+    peers(&mut group, &problems);
+}
+
+fn peers(group: &mut BenchmarkGroup<'_, WallTime>, problems: &[Problem]) {
+    let inputs: Vec<_> = problems.iter().map(peer::input).collect();
+    let (mut cycle, mut peer) = (inputs.iter().cycle(), Peer::new());
+    group.bench_function("rsruckig", |bencher| {
+        bencher.iter(|| peer.duration(black_box(cycle.next().unwrap())));
+    });
+}
+
+/// The judge, on moves of seven pieces or fewer, of fifteen, and of thirty-one.
+fn verdicts(criterion: &mut Criterion) {
+    let limits: LimitsSpec = LimitsSpec {
+        max_velocity: 0.5,
+        max_acceleration: 2.0,
+        max_jerk: 20.0,
+        max_snap: Some(400.0),
+        max_higher_derivatives: vec![1e4],
+        ..LimitsSpec::default()
+    };
+    let mut group = criterion.benchmark_group("verify");
+    for (name, family, order) in [
+        ("s_curve", Family::SCurve, None),
+        ("trigonometric", Family::Trigonometric, None),
+        ("order_4", Family::Polynomial, Some(4)),
+        ("order_5", Family::Polynomial, Some(5)),
+    ] {
+        let axis = AxisMoveSpec {
+            axis: "x".into(),
+            kind: Ok(AxisKind::Prismatic),
+            start: State::at_rest(0.0),
+            goal: State::at_rest(0.425),
+            limits: limits.clone(),
+        };
+        let spec = RequestSpec {
+            axes: vec![axis],
+            cycle_time_ns: None,
+            family: Ok(family),
+            order,
+            short_path: Ok(ShortPathPolicy::Reject),
+            synchronization: Ok(Synchronization::None),
+            minimum_duration: None,
+            end_on_cycle: false,
+        };
+        let plan = plan(&Request::try_from(spec).unwrap()).unwrap();
+        assert!(certify(&plan).passed());
+        group.bench_function(name, |bencher| bencher.iter(|| certify(black_box(&plan))));
+    }
+}
+
 fn plans(criterion: &mut Criterion) {
     compare(criterion, "plan/rest_to_rest", &problems(true, false));
     compare(criterion, "plan/asymmetric_rest_to_rest", &problems(true, true));
     compare(criterion, "plan/start_and_end_velocity", &problems(false, false));
     compare(criterion, "plan/asymmetric_start_and_end_velocity", &problems(false, true));
+    families(criterion);
+    verdicts(criterion);
 }
 
 criterion_group!(benches, plans);

@@ -92,11 +92,42 @@ pub enum Why {
         /// What there is to choose from.
         choices: &'static str,
     },
-    /// An order that no family has.
-    #[error("asks for order {given}: the highest is {max}", max = crate::MAX_ORDER)]
+    /// An order that no polynomial has.
+    #[error("asks for order {given}: a polynomial has an order of 2 to {max}", max = crate::MAX_ORDER)]
     OrderUnsupported {
         /// The order.
         given: usize,
+    },
+    /// A polynomial of no order.
+    #[error("is not set: say the order of the polynomial, 2 to {max}", max = crate::MAX_ORDER)]
+    OrderMissing,
+    /// An order that the family does not have.
+    #[error(
+        "asks for order {given}: the family {family} has order {order}, so leave it out or choose POLYNOMIAL"
+    )]
+    OrderOfFamily {
+        /// The order that was asked for.
+        given: u32,
+        /// The family.
+        family: &'static str,
+        /// The order that it has.
+        order: u32,
+    },
+    /// A limit that the order needs.
+    #[error("is not set, and order {order} needs it: state the limit, or ask for order {lower}")]
+    LimitMissing {
+        /// The order that was asked for.
+        order: usize,
+        /// The highest order whose limits are all there.
+        lower: usize,
+    },
+    /// An end in motion, for a family that goes from rest to rest.
+    #[error("is {given}: the family {family} goes from rest to rest, so give 0 or choose S_CURVE")]
+    NotAtRest {
+        /// The value.
+        given: f64,
+        /// The family.
+        family: &'static str,
     },
     /// Two axes with one name.
     #[error("the name {name:?} is taken by an axis before it: give every axis a name of its own")]

@@ -2,7 +2,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::plan::{AxisPlan, Plan};
-use crate::{Limits, Quantity, Segment};
+use crate::{Law, Limits, Quantity, Segment};
 
 /// Of a limit \[1\]: this near to it counts as held back by it.
 const BINDING_SLACK: f64 = 1e-9;
@@ -63,10 +63,14 @@ fn bindings(axis: &AxisPlan) -> Vec<Binding> {
     bindings
 }
 
-/// The limit that one piece is held at from end to end: the lowest derivative that stays at its limit.
+/// The limit that one piece is held at from end to end: the lowest derivative that stays at its limit; of a pulse of jerk, which
+/// stays nowhere, the one that its peak reaches.
 fn binding(segment: &Segment, limits: &Limits) -> Option<Quantity> {
-    let (start, end) = (segment.at(0.0), segment.at(segment.duration));
     let reaches = |value: f64, limit: f64| value.abs() >= limit * (1.0 - BINDING_SLACK);
+    if let Law::CosineJerk { peak } = segment.law {
+        return reaches(peak, limits.jerk()).then_some(Quantity::Jerk);
+    }
+    let (start, end) = (segment.at(0.0), segment.at(segment.duration));
     let throughout = |value: fn(&crate::Setpoint) -> f64, limit: f64| {
         reaches(value(&start), limit) && reaches(value(&end), limit)
     };
@@ -74,12 +78,21 @@ fn binding(segment: &Segment, limits: &Limits) -> Option<Quantity> {
     let slows_down = start.state.acceleration * start.state.velocity < 0.0;
     let hardest = if slows_down { limits.deceleration() } else { limits.acceleration() };
     if start.jerk == 0.0 && throughout(|setpoint| setpoint.state.velocity, cruise) {
-        Some(Quantity::Velocity)
-    } else if throughout(|setpoint| setpoint.state.acceleration, hardest) {
-        Some(Quantity::Acceleration)
-    } else if throughout(|setpoint| setpoint.jerk, limits.jerk()) {
-        Some(Quantity::Jerk)
-    } else {
-        None
+        return Some(Quantity::Velocity);
     }
+    if throughout(|setpoint| setpoint.state.acceleration, hardest) {
+        return Some(Quantity::Acceleration);
+    }
+    if throughout(|setpoint| setpoint.jerk, limits.jerk()) {
+        return Some(Quantity::Jerk);
+    }
+    let Law::Polynomial(law) = segment.law else { return None };
+    let (start, end) = (segment.derivatives(0.0), segment.derivatives(segment.duration));
+    (4..=law.order())
+        .find(|&order| {
+            limits
+                .higher(order)
+                .is_some_and(|limit| reaches(start[order], limit) && reaches(end[order], limit))
+        })
+        .map(|order| Quantity::BY_ORDER[order])
 }

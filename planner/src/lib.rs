@@ -65,6 +65,7 @@
 //! 3. [`plan_move`], [`Move`]: from a problem to its pieces, on the stack. Inside: the ramp between two speeds, the peak above
 //!    both, the nearest speed that a short path can reach. [`Classification`] names the shape as the papers do.
 //!    [`plan_trapezoid`] is the baseline: constant acceleration, and no limit on the jerk.
+//!    [`plan_polynomial`], [`plan_trigonometric`]: the same question for smoother motions, from rest to rest.
 //! 4. [`Request`], [`plan()`], [`Plan`], [`Sampler`]: several axes over one time base, read cycle by cycle.
 //! 5. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when. [`Judged`],
 //!    [`Accepted`]: a plan with both, and one that may be executed.
@@ -83,7 +84,9 @@ extern crate alloc;
 
 mod certified;
 mod classify;
+mod cosine;
 mod cycle;
+mod derivatives;
 mod error;
 mod explain;
 mod float;
@@ -91,6 +94,7 @@ pub mod generator;
 pub mod grid;
 mod limits;
 mod plan;
+mod polynomial;
 mod problem;
 mod profile;
 mod quantity;
@@ -100,25 +104,29 @@ mod segment;
 mod short_path;
 mod solve;
 mod state;
+mod trigonometric;
 mod verify;
 
 pub use certified::{Accepted, Judged, Rejection};
 pub use classify::{AsymmetricType, Classification, EightType, SixCase};
 pub use cycle::{CycleTime, LAST_CYCLE};
+pub use derivatives::Derivatives;
 pub use error::{Field, InvalidField, InvalidFields, Why};
 pub use explain::{Binding, Explanation, explain};
 pub use limits::{GREATEST_MAGNITUDE, LEAST_LIMIT, Limits, LimitsSpec, MAX_ORDER};
 pub use plan::{AxisPlan, Maker, Method, Plan, Sampler, plan};
+pub use polynomial::{PolynomialMove, plan_polynomial};
 pub use problem::Problem;
 pub use profile::{Cursor, Profile};
 pub use quantity::Quantity;
 pub use request::{
     AxisKind, AxisMove, AxisMoveSpec, Family, MAX_AXES, Request, RequestSpec, Synchronization,
 };
-pub use segment::{Law, Segment, Setpoint};
+pub use segment::{Law, MAX_TURNING_POINTS, Segment, Setpoint};
 pub use short_path::ShortPathPolicy;
 pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_stop, plan_trapezoid};
 pub use state::State;
+pub use trigonometric::plan_trigonometric;
 pub use verify::{
     Certificate, EndCheck, JOIN_TOLERANCE, JoinCheck, LIMIT_TOLERANCE, LimitCheck, Violation, certify,
     certify_against, violations,

@@ -3,8 +3,8 @@ use alloc::vec::Vec;
 use crate::error::{Field, InvalidField, InvalidFields, Why};
 use crate::float::least;
 
-/// The highest profile order whose limits can be given.
-pub const MAX_ORDER: usize = 10;
+/// The highest order of a profile, and the highest derivative that can be limited: of 2⁸ − 1 pieces.
+pub const MAX_ORDER: usize = 8;
 
 /// Orders above snap (the fourth): 5, 6, … [`MAX_ORDER`].
 const MAX_HIGHER: usize = MAX_ORDER - 4;
@@ -113,6 +113,15 @@ impl Limits {
     #[must_use]
     pub fn jerk(&self) -> f64 {
         self.spec.max_jerk
+    }
+
+    /// Greatest magnitude of the derivative of `order` from 4 on [axis units/s⁴ …]; `None` where none was stated.
+    #[must_use]
+    pub fn higher(&self, order: usize) -> Option<f64> {
+        match order.checked_sub(4)? {
+            0 => self.spec.max_snap,
+            above => self.spec.max_higher_derivatives.get(above - 1).copied(),
+        }
     }
 
     /// Lowest position [axis units], −∞ where there is no limit.

@@ -4,9 +4,8 @@ use alloc::vec::Vec;
 use crate::error::{Field, InvalidFields, Why};
 use crate::request::{AxisKind, AxisMove, Family, Request, Synchronization};
 use crate::solve::{Adjustment, AdjustmentReason, Move, plan_move, plan_stop, plan_trapezoid};
-use crate::{
-    Classification, Cursor, CycleTime, Limits, Problem, Profile, Quantity, Setpoint, ShortPathPolicy, State,
-};
+use crate::{Classification, Cursor, CycleTime, Limits, Profile, Quantity, Setpoint, ShortPathPolicy, State};
+use crate::{plan_polynomial, plan_trigonometric};
 
 /// How a plan was made, so that an operation on it can be planned the same way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -258,46 +257,50 @@ impl Sampler<'_> {
 /// Plans every axis of a request.
 ///
 /// # Errors
-/// Those of [`plan_move`] or [`plan_trapezoid`] for each axis, all at once, with the axis in the path; more cycles than can be counted.
+/// Those of [`plan_move`], [`plan_trapezoid`], [`plan_polynomial`] or [`plan_trigonometric`] for each axis, all at once, with the axis in the
+/// path; more cycles than can be counted.
 pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
     let mut invalid = InvalidFields::default();
     let mut axes = Vec::with_capacity(request.axes().len());
-    let (family, solve) = (request.family(), solver(request.family()));
-    for (index, AxisMove { axis, kind, problem }) in request.axes().iter().enumerate() {
-        let Some(planned) = invalid.take(&Field::element("axes", index), solve(problem)) else {
-            continue;
-        };
-        axes.push(AxisPlan {
-            axis: axis.clone(),
-            kind: *kind,
-            limits: problem.limits().clone(),
-            profile: planned.to_profile(),
-            goal: problem.goal(),
-            adjustments: planned.adjustments().to_vec(),
-            classification: planned.classification(),
-        });
+    for (index, axis) in request.axes().iter().enumerate() {
+        axes.extend(invalid.take(&Field::element("axes", index), plan_axis(axis, request)));
     }
     if !invalid.is_empty() {
         return Err(invalid);
     }
     let method = Method {
-        family,
-        order: if family == Family::Trapezoidal { 2 } else { 3 },
+        family: request.family(),
+        order: request.order(),
         short_path: request.short_path(),
         synchronization: request.synchronization(),
         end_on_cycle: false,
     };
-    let mut guaranteed = alloc::vec![Quantity::Velocity, Quantity::Acceleration];
-    if family != Family::Trapezoidal {
-        guaranteed.push(Quantity::Jerk);
-    }
+    let guaranteed = Quantity::BY_ORDER[1..=request.order() as usize].to_vec();
     Plan::new(method, guaranteed, request.cycle_time(), axes)
 }
 
-/// What plans one axis with a shape of `family`; a [`Request`] is of no other one.
-fn solver(family: Family) -> fn(&Problem) -> Result<Move, InvalidFields> {
-    match family {
-        Family::Trapezoidal => plan_trapezoid,
-        Family::SCurve | Family::Polynomial | Family::Trigonometric => plan_move,
-    }
+fn plan_axis(axis: &AxisMove, request: &Request) -> Result<AxisPlan, InvalidFields> {
+    let AxisMove { axis, kind, problem } = axis;
+    let (profile, adjustments, classification) = match request.family() {
+        Family::Polynomial => {
+            let planned = plan_polynomial(problem, request.order())?;
+            (planned.to_profile(), planned.adjustments().to_vec(), planned.classification())
+        }
+        Family::Trigonometric => laid(&plan_trigonometric(problem)?),
+        Family::SCurve => laid(&plan_move(problem)?),
+        Family::Trapezoidal => laid(&plan_trapezoid(problem)?),
+    };
+    Ok(AxisPlan {
+        axis: axis.clone(),
+        kind: *kind,
+        limits: problem.limits().clone(),
+        profile,
+        goal: problem.goal(),
+        adjustments,
+        classification,
+    })
+}
+
+fn laid(planned: &Move) -> (Profile, Vec<Adjustment>, Classification) {
+    (planned.to_profile(), planned.adjustments().to_vec(), planned.classification())
 }

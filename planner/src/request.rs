@@ -34,6 +34,35 @@ pub enum Family {
     Trigonometric,
 }
 
+impl Family {
+    /// The name on the wire.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SCurve => "S_CURVE",
+            Self::Trapezoidal => "TRAPEZOIDAL",
+            Self::Polynomial => "POLYNOMIAL",
+            Self::Trigonometric => "TRIGONOMETRIC",
+        }
+    }
+
+    /// The order of its profiles; `None` where it has several.
+    #[must_use]
+    pub fn order(self) -> Option<u32> {
+        match self {
+            Self::Trapezoidal => Some(2),
+            Self::SCurve | Self::Trigonometric => Some(3),
+            Self::Polynomial => None,
+        }
+    }
+
+    /// Does it go from rest to rest only?
+    #[must_use]
+    pub fn needs_rest(self) -> bool {
+        matches!(self, Self::Polynomial | Self::Trigonometric)
+    }
+}
+
 /// How the axes of one plan go together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Synchronization {
@@ -71,7 +100,7 @@ pub struct RequestSpec {
     pub cycle_time_ns: Option<i128>,
     /// The family of shapes.
     pub family: Result<Family, Why>,
-    /// The order of a polynomial.
+    /// The order of a polynomial, which needs one; every other family has its own.
     pub order: Option<u32>,
     /// What to give up when a path is too short.
     pub short_path: Result<ShortPathPolicy, Why>,
@@ -98,8 +127,9 @@ pub struct AxisMove {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
     axes: Vec<AxisMove>,
-    family: Family,
     cycle_time: CycleTime,
+    family: Family,
+    order: u32,
     short_path: ShortPathPolicy,
     synchronization: Synchronization,
 }
@@ -111,16 +141,22 @@ impl Request {
         &self.axes
     }
 
+    /// The time between two setpoints.
+    #[must_use]
+    pub fn cycle_time(&self) -> CycleTime {
+        self.cycle_time
+    }
+
     /// The family of shapes.
     #[must_use]
     pub fn family(&self) -> Family {
         self.family
     }
 
-    /// The time between two setpoints.
+    /// The order of the profiles: the family's own, or that of the polynomial.
     #[must_use]
-    pub fn cycle_time(&self) -> CycleTime {
-        self.cycle_time
+    pub fn order(&self) -> u32 {
+        self.order
     }
 
     /// What to give up when a path is too short.
@@ -152,8 +188,9 @@ impl TryFrom<RequestSpec> for Request {
         } = spec;
         let mut invalid = InvalidFields::default();
         let several = axes.len() > 1;
-        invalid.note("family", family.clone().err().or(family.clone().ok().and_then(family_gap)));
-        invalid.note("order", order.map(order_gap));
+        invalid.note("family", family.as_ref().err().cloned());
+        let law = Shape { family: *family.as_ref().unwrap_or(&Family::SCurve), order };
+        invalid.note("order", law.wrong_order());
         invalid.note("minimum_duration", minimum_duration.map(minimum_duration_gap));
         invalid.note("end_on_cycle", end_on_cycle.then(end_on_cycle_gap));
         let policy = *short_path.as_ref().unwrap_or(&ShortPathPolicy::Reject);
@@ -161,11 +198,12 @@ impl TryFrom<RequestSpec> for Request {
         let mode = *synchronization.as_ref().unwrap_or(&Synchronization::None);
         invalid.note("synchronization", synchronization.err().or(synchronization_gap(mode, several)));
         let cycle_time = invalid.take(&Field::default(), CycleTime::from_ns(cycle_time_ns));
-        let axes = checked_axes(&mut invalid, axes, policy);
+        let axes = checked_axes(&mut invalid, axes, policy, law);
         match cycle_time {
             Some(cycle_time) if invalid.is_empty() => {
-                let family = family.unwrap_or_default();
-                Ok(Self { axes, family, cycle_time, short_path: policy, synchronization: mode })
+                let Shape { family, .. } = law;
+                let order = law.order().unwrap_or_default();
+                Ok(Self { axes, cycle_time, family, order, short_path: policy, synchronization: mode })
             }
             _ => Err(invalid),
         }
@@ -176,6 +214,7 @@ fn checked_axes(
     invalid: &mut InvalidFields,
     specs: Vec<AxisMoveSpec>,
     policy: ShortPathPolicy,
+    law: Shape,
 ) -> Vec<AxisMove> {
     let given = specs.len();
     if given == 0 {
@@ -191,7 +230,7 @@ fn checked_axes(
     let mut axes = Vec::with_capacity(given);
     for (index, spec) in specs.into_iter().enumerate() {
         let outer = Field::element("axes", index);
-        axes.extend(invalid.take(&outer, checked_axis(spec, policy, several)));
+        axes.extend(invalid.take(&outer, checked_axis(spec, policy, several, law)));
     }
     axes
 }
@@ -210,17 +249,22 @@ fn checked_axis(
     spec: AxisMoveSpec,
     policy: ShortPathPolicy,
     several: bool,
+    law: Shape,
 ) -> Result<AxisMove, InvalidFields> {
     let AxisMoveSpec { axis, kind, start, goal, limits } = spec;
     let mut invalid = InvalidFields::default();
     let kind = kind.map_err(|why| invalid.note("kind", Some(why))).ok();
+    let (start, goal) = law.rested(&mut invalid, start, goal);
     if several && goal.velocity != 0.0 {
         let what = "a goal at speed for one of several axes";
         let instead = "end every axis at rest, or plan each axis by itself";
         invalid.note("goal.velocity", Some(Why::NotImplemented { what, instead }));
     }
     let problem = match Limits::try_from(limits) {
-        Ok(limits) => invalid.take(&Field::default(), Problem::new(start, goal, limits, policy)),
+        Ok(limits) => {
+            invalid.extend_within(&Field::named("limits"), law.missing_limits(&limits));
+            invalid.take(&Field::default(), Problem::new(start, goal, limits, policy))
+        }
         Err(inner) => {
             invalid.extend_within(&Field::named("limits"), inner);
             crate::problem::note_not_finite(&mut invalid, &start, &goal);
@@ -233,17 +277,51 @@ fn checked_axis(
     }
 }
 
-fn family_gap(family: Family) -> Option<Why> {
-    let what = match family {
-        Family::SCurve | Family::Trapezoidal => return None,
-        Family::Polynomial => "the family POLYNOMIAL",
-        Family::Trigonometric => "the family TRIGONOMETRIC",
-    };
-    Some(Why::NotImplemented { what, instead: "choose S_CURVE" })
+/// A family with the order that was asked for.
+#[derive(Clone, Copy, Debug)]
+struct Shape {
+    family: Family,
+    order: Option<u32>,
 }
 
-fn order_gap(_: u32) -> Why {
-    Why::NotImplemented { what: "an order", instead: "leave it out: the family S_CURVE has order 3" }
+impl Shape {
+    fn order(self) -> Option<u32> {
+        self.family.order().or(self.order)
+    }
+
+    fn wrong_order(self) -> Option<Why> {
+        let Self { family, order: given } = self;
+        match (family.order(), given) {
+            (Some(order), Some(given)) if given != order => {
+                Some(Why::OrderOfFamily { given, family: family.name(), order })
+            }
+            (Some(_), _) => None,
+            (None, Some(given)) => crate::polynomial::unsupported(given as usize),
+            (None, None) => Some(Why::OrderMissing),
+        }
+    }
+
+    fn missing_limits(self, limits: &Limits) -> InvalidFields {
+        match (self.family, self.order) {
+            (Family::Polynomial, Some(order)) => crate::polynomial::missing_limits(limits, order as usize),
+            _ => InvalidFields::default(),
+        }
+    }
+
+    /// The ends, put to rest where the family needs it, which is reported of each part that was not.
+    fn rested(self, invalid: &mut InvalidFields, start: State, goal: State) -> (State, State) {
+        if !self.family.needs_rest() {
+            return (start, goal);
+        }
+        crate::polynomial::note_motion(invalid, self.family.name(), [("start", &start), ("goal", &goal)]);
+        let zero = |value: f64| if value.is_finite() { 0.0 } else { value };
+        let rested = |state: State| State {
+            velocity: zero(state.velocity),
+            acceleration: zero(state.acceleration),
+            ..state
+        };
+        (rested(start), rested(goal))
+    }
 }
 
 fn minimum_duration_gap(given: f64) -> Why {

@@ -49,3 +49,45 @@ pub(crate) fn fall_to_root(start: f64, value_and_slope: impl Fn(f64) -> (f64, f6
         x = next;
     }
 }
+
+/// Newton steps before [`sign_change`] halves its bracket only: it takes about six where the function is not flat.
+const NEWTON_STEPS: usize = 12;
+
+/// Where a function that is monotone from `from ≥ 0` to `to` changes its sign, to 4 units in the last place of `to`; none
+/// where it does not.
+///
+/// `value_and_slope` gives both at `x`. Newton's method inside a bracket: a step out of the bracket becomes the bracket's
+/// middle; a step shorter than the resolution is taken as far as that towards the other end, which is then nearer than
+/// asked. Where a function is too flat for that, the bracket is halved to the end, so that it ends whatever was given.
+pub(crate) fn sign_change(from: f64, to: f64, value_and_slope: impl Fn(f64) -> (f64, f64)) -> Option<f64> {
+    let (at_from, at_to) = (value_and_slope(from).0, value_and_slope(to).0);
+    if at_from == 0.0 || at_to == 0.0 {
+        return Some(if at_to == 0.0 { to } else { from });
+    }
+    let (rises, falls) = (at_from < 0.0 && at_to > 0.0, at_from > 0.0 && at_to < 0.0);
+    // Also false for NaN.
+    if !(rises || falls) {
+        return None;
+    }
+    let resolution = 4.0 * f64::EPSILON * to;
+    let (mut low, mut high) = (from, to);
+    let mut steps = 0;
+    let mut x = 0.5 * (low + high);
+    while high - low > resolution && x > low && x < high {
+        let (value, slope) = value_and_slope(x);
+        if value == 0.0 {
+            return Some(x);
+        }
+        let is_low = (value < 0.0) == rises;
+        *(if is_low { &mut low } else { &mut high }) = x;
+        let step = value / slope;
+        let aimed = if step.abs() < resolution {
+            if is_low { x + resolution } else { x - resolution }
+        } else {
+            x - step
+        };
+        steps += 1;
+        x = if steps < NEWTON_STEPS && aimed > low && aimed < high { aimed } else { 0.5 * (low + high) };
+    }
+    Some(0.5 * (low + high))
+}

@@ -1,6 +1,8 @@
 use arrayvec::ArrayVec;
 
-use crate::State;
+use crate::derivatives::Derivatives;
+use crate::roots::{linear, quadratic, sign_change};
+use crate::{MAX_ORDER, State, cosine};
 
 /// One piece of a motion: a start state, a law, and its own clock from zero to `duration`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +20,19 @@ pub struct Segment {
 pub enum Law {
     /// The jerk stays at this value [axis units/s³]; position is a cubic of time.
     ConstantJerk(f64),
+    /// The highest of these derivatives stays at its value; position is a polynomial of time.
+    Polynomial(Derivatives),
+    /// The jerk is one period of a raised cosine over the whole segment: it begins and ends at zero.
+    ///
+    /// ```text
+    /// j │     ╭───╮        j(t) = peak/2·(1 − cos(2π·t/duration))
+    ///   │   ╱       ╲
+    ///   └─╯───────────╰── t
+    /// ```
+    CosineJerk {
+        /// Jerk in the middle of the segment [axis units/s³], signed.
+        peak: f64,
+    },
 }
 
 /// What an axis is commanded at one instant: its state and the jerk that leads on from it.
@@ -28,6 +43,10 @@ pub struct Setpoint {
     /// Jerk from this instant on [axis units/s³].
     pub jerk: f64,
 }
+
+/// The most instants that [`Segment::turning_points`] gives: both ends, and 7 + 6 + … + 1 zeros of the derivatives of a
+/// polynomial of order [`MAX_ORDER`].
+pub const MAX_TURNING_POINTS: usize = 2 + MAX_ORDER * (MAX_ORDER - 1) / 2;
 
 impl Setpoint {
     /// At rest in `state`, or drifting on at its velocity: no jerk.
@@ -49,13 +68,27 @@ impl Setpoint {
     }
 }
 
+impl Law {
+    /// The same law seen from the other side: every sign turned.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        match self {
+            Self::ConstantJerk(jerk) => Self::ConstantJerk(-jerk),
+            Self::Polynomial(derivatives) => Self::Polynomial(derivatives.mirrored()),
+            Self::CosineJerk { peak } => Self::CosineJerk { peak: -peak },
+        }
+    }
+}
+
 impl Segment {
     /// The setpoint `t` seconds after the segment's start; meant for `0 ≤ t ≤ duration`.
     #[must_use]
     #[inline]
     pub fn at(&self, t: f64) -> Setpoint {
-        match self.law {
-            Law::ConstantJerk(jerk) => Setpoint { state: self.start.after(jerk, t), jerk },
+        match &self.law {
+            Law::ConstantJerk(jerk) => Setpoint { state: self.start.after(*jerk, t), jerk: *jerk },
+            Law::Polynomial(derivatives) => derivatives.setpoint(&self.start, t),
+            Law::CosineJerk { peak } => cosine::setpoint(&self.start, *peak, self.duration, t),
         }
     }
 
@@ -66,22 +99,61 @@ impl Segment {
         self.at(self.duration).state
     }
 
-    /// Every instant of the segment at which position, velocity or acceleration can be extreme \[s\]: both ends, and
-    /// the zeros of velocity and acceleration between them. Between two neighbours all three are monotone.
-    ///
-    /// Two zeros of a quadratic velocity and one of a linear acceleration make five at the most.
+    /// Position and its derivatives `t` seconds after the segment's start, each at the index of its order.
     #[must_use]
-    pub fn turning_points(&self) -> ArrayVec<f64, 5> {
+    pub fn derivatives(&self, t: f64) -> [f64; MAX_ORDER + 1] {
+        let Setpoint { state: State { position, velocity, acceleration }, jerk } = self.at(t);
+        let mut all = [0.0; MAX_ORDER + 1];
+        all[..4].copy_from_slice(&[position, velocity, acceleration, jerk]);
+        match &self.law {
+            Law::ConstantJerk(_) => {}
+            Law::Polynomial(derivatives) => derivatives.higher(t, &mut all[4..]),
+            Law::CosineJerk { peak } => cosine::higher(*peak, self.duration, t, &mut all[4..]),
+        }
+        all
+    }
+
+    /// Every instant of the segment at which position or one of its derivatives can be extreme \[s\], in order: both ends,
+    /// and the zeros of the derivatives between them. Between two neighbours position and all derivatives are monotone.
+    ///
+    /// Zeros of linear and quadratic functions are taken in closed form. Above that a derivative has at most one zero between
+    /// two neighbouring extremes, that is, zeros of the next derivative; its change of sign is closed in on to 4 units in
+    /// the last place of the duration.
+    #[must_use]
+    pub fn turning_points(&self) -> ArrayVec<f64, MAX_TURNING_POINTS> {
         let mut times = ArrayVec::new();
         times.push(0.0);
-        match self.law {
+        let inside = |t: &f64| *t > 0.0 && *t < self.duration;
+        match &self.law {
             Law::ConstantJerk(jerk) => {
-                let inside = |t: &f64| *t > 0.0 && *t < self.duration;
                 let State { velocity, acceleration, .. } = self.start;
-                times.extend(crate::roots::linear(jerk, acceleration).into_iter().filter(inside));
-                times.extend(
-                    crate::roots::quadratic(0.5 * jerk, acceleration, velocity).into_iter().filter(inside),
-                );
+                times.extend(linear(*jerk, acceleration).into_iter().filter(inside));
+                times.extend(quadratic(0.5 * jerk, acceleration, velocity).into_iter().filter(inside));
+            }
+            Law::Polynomial(derivatives) => {
+                let mut zeros = ArrayVec::<f64, MAX_ORDER>::new();
+                for order in (1..derivatives.order()).rev() {
+                    zeros = derivatives.zeros(&self.start, order, self.duration, &zeros);
+                    times.extend(zeros.iter().copied());
+                }
+            }
+            // Jerk and what is above it turn at quarters of the period. The jerk keeps its sign, so the acceleration has at
+            // most one zero, and the velocity one on either side of that.
+            Law::CosineJerk { .. } => {
+                times.extend([0.25, 0.5, 0.75].map(|part| part * self.duration).into_iter().filter(inside));
+                let rate = |t| {
+                    let Setpoint { state, jerk } = self.at(t);
+                    (state.acceleration, jerk)
+                };
+                let turn = sign_change(0.0, self.duration, rate);
+                let speed = |t| {
+                    let State { velocity, acceleration, .. } = self.at(t).state;
+                    (velocity, acceleration)
+                };
+                let middle = turn.unwrap_or(self.duration);
+                let zeros =
+                    [turn, sign_change(0.0, middle, speed), sign_change(middle, self.duration, speed)];
+                times.extend(zeros.into_iter().flatten().filter(inside));
             }
         }
         times.push(self.duration);

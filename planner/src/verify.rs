@@ -1,14 +1,14 @@
 //! The judge: recomputes from the segments alone what a motion does, and holds it against what it promises.
 //!
 //! Shares no code with the solvers: it sees pieces, limits and the state that is to be reached, nothing of how they were
-//! found. Extremes are taken where they can be (the ends of a piece and the zeros of velocity and acceleration inside
-//! it), not at samples.
+//! found. Extremes are taken where they can be (the ends of a piece and the zeros of the derivatives inside it), not at
+//! samples.
 
 use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::plan::{AxisPlan, Plan};
-use crate::{Limits, Profile, Quantity, Segment, Setpoint, State};
+use crate::{Family, Law, Limits, MAX_ORDER, Profile, Quantity, Segment, Setpoint, State};
 
 /// Of a limit \[1\]: what a motion may be beyond it, since its pieces are rounded.
 pub const LIMIT_TOLERANCE: f64 = 1e-9;
@@ -24,9 +24,10 @@ const VELOCITY_ULPS: f64 = 8.0;
 /// What the judge found, for all axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Certificate {
-    /// One for each axis and limited quantity.
+    /// One for each axis and limited quantity: velocity, acceleration and jerk; position where there is a range; snap and
+    /// above where a limit is stated or promised.
     pub limits: Vec<LimitCheck>,
-    /// One for each axis and each of position, velocity, acceleration.
+    /// One for each axis and each of position, velocity, acceleration, and each higher derivative that may not jump.
     pub joins: Vec<JoinCheck>,
     /// One for each axis and each of position, velocity, acceleration.
     pub ends: Vec<EndCheck>,
@@ -41,7 +42,7 @@ pub struct LimitCheck {
     pub quantity: Quantity,
     /// The limit that is nearest to being broken [unit of the quantity]: a magnitude, but for positions.
     pub limit: f64,
-    /// The extreme value, signed.
+    /// The extreme value, signed; infinite where the derivative below jumps.
     pub extremum: f64,
     /// When it is taken \[s\].
     pub at_time: f64,
@@ -163,7 +164,7 @@ pub fn certify(plan: &Plan) -> Certificate {
     let mut certificate = Certificate::default();
     for axis in plan.axes() {
         let goal = axis.goal_to_reach();
-        certificate.judge(&axis.axis, &axis.profile, &axis.limits, goal, plan.guaranteed());
+        certificate.judge(&axis.axis, &axis.profile, &axis.limits, goal, &Promise::of(plan));
     }
     certificate
 }
@@ -176,7 +177,7 @@ pub fn certify_against<'a>(
 ) -> Certificate {
     let mut certificate = Certificate::default();
     for (axis, (limits, goal)) in plan.axes().iter().zip(against) {
-        certificate.judge(&axis.axis, &axis.profile, limits, goal, plan.guaranteed());
+        certificate.judge(&axis.axis, &axis.profile, limits, goal, &Promise::of(plan));
     }
     certificate
 }
@@ -193,60 +194,146 @@ impl AxisPlan {
                 Quantity::Velocity if adjustment.reason == crate::AdjustmentReason::FeedRateAboveLimit => {}
                 Quantity::Velocity => state.velocity = adjustment.planned,
                 Quantity::Acceleration => state.acceleration = adjustment.planned,
-                Quantity::Jerk | Quantity::Snap | Quantity::Time => {}
+                Quantity::Jerk
+                | Quantity::Snap
+                | Quantity::Crackle
+                | Quantity::Pop
+                | Quantity::Lock
+                | Quantity::Drop
+                | Quantity::Time => {}
             }
         }
         state
     }
 }
 
+/// What a plan promises of each derivative, at the index of its order.
+struct Promise {
+    /// It keeps its limit.
+    limited: [bool; MAX_ORDER + 1],
+    /// It does not jump.
+    joined: [bool; MAX_ORDER + 1],
+}
+
+impl Promise {
+    fn of(plan: &Plan) -> Self {
+        let mut promise = Self::keeping(plan.guaranteed());
+        // Each pulse begins and ends without jerk.
+        promise.joined[3] |= plan.method().family == Family::Trigonometric;
+        promise
+    }
+
+    fn keeping(guaranteed: &[Quantity]) -> Self {
+        let limited = Quantity::BY_ORDER.map(|quantity| guaranteed.contains(&quantity));
+        let mut joined = [false; MAX_ORDER + 1];
+        // A jump is an unlimited derivative.
+        joined[..MAX_ORDER].copy_from_slice(&limited[1..]);
+        joined[..2].fill(true);
+        Self { limited, joined }
+    }
+}
+
 impl Certificate {
     /// Adds what one axis's motion does: its extremes, its joins, and how near it ends to `goal`.
-    fn judge(
-        &mut self,
-        axis: &str,
-        profile: &Profile,
-        limits: &Limits,
-        goal: State,
-        guaranteed: &[Quantity],
-    ) {
-        let guarantees = |quantity| guaranteed.contains(&quantity);
-        let mut extremes = Extremes::of(profile, limits);
+    fn judge(&mut self, axis: &str, profile: &Profile, limits: &Limits, goal: State, promise: &Promise) {
+        let asked = |order: usize| promise.limited[order] || limits.higher(order).is_some();
+        let highest = (4..=MAX_ORDER).rev().find(|&order| asked(order)).unwrap_or(3);
+        let highest_joined = (3..MAX_ORDER).rev().find(|&order| promise.joined[order]).unwrap_or(2);
+        let extremes = Extremes::of(profile, limits, highest.max(highest_joined));
         let allowed = extremes.allowed(&goal);
-        let last = profile.segments().last().map_or(profile.end(), Segment::end);
-        // A jump in acceleration is an unlimited jerk.
-        let jerks = !guarantees(Quantity::Jerk);
-        let (hardest_jump, jump_time) = worst_jump(profile, jerks, |state| state.acceleration);
-        if jerks && hardest_jump > allowed.acceleration {
-            extremes.jerk.see_magnitude(f64::INFINITY, limits.jerk(), jump_time);
-        }
-        self.limits.extend(extremes.worst(limits).map(|(quantity, worst)| {
-            let Worst { margin, limit, extremum, at_time } = worst;
+        let jumps = Jumps::of(profile, highest.max(highest_joined + 1), promise);
+
+        for (order, worst) in extremes.worst(limits, highest) {
+            if order >= 4 && !asked(order) {
+                continue;
+            }
+            let (quantity, guaranteed) = (Quantity::BY_ORDER[order], promise.limited[order]);
             // A position range is promised by being stated.
-            let guaranteed = quantity == Quantity::Position || guarantees(quantity);
-            LimitCheck { axis: axis.into(), quantity, limit, extremum, at_time, margin, guaranteed }
-        }));
-        for quantity in [Quantity::Position, Quantity::Velocity, Quantity::Acceleration] {
-            let of = |state: &State| part(state, quantity);
-            let guaranteed = quantity != Quantity::Acceleration || !jerks;
-            let (worst_jump, at_time) = worst_jump(profile, !guaranteed, of);
-            let allowed = of(&allowed);
-            let join = JoinCheck { axis: axis.into(), quantity, worst_jump, allowed, at_time, guaranteed };
-            self.joins.push(join);
-            let (end, goal) = (of(&profile.end()), of(&goal));
-            // What may jump at a join may jump at the end, too, and is counted there.
-            let rest = if guaranteed { (of(&last) - end).abs() } else { 0.0 };
-            let residual = largest(rest, (end - goal).abs());
-            self.ends.push(EndCheck { axis: axis.into(), quantity, residual, allowed });
+            let guaranteed = order == 0 || guaranteed;
+            let mut worst = worst;
+            if order >= 3 && !promise.joined[order - 1] {
+                let (jump, at_time) = jumps.worst[order - 1];
+                if jump.abs() > allowed[order - 1] {
+                    worst.see_magnitude(f64::INFINITY, worst.limit, at_time);
+                }
+            }
+            let Worst { margin, limit, extremum, at_time } = worst;
+            let check =
+                LimitCheck { axis: axis.into(), quantity, limit, extremum, at_time, margin, guaranteed };
+            self.limits.push(check);
+        }
+
+        let last = profile.segments().last().map_or(profile.end(), Segment::end);
+        let (last, end, goal) = (parts(&last), parts(&profile.end()), parts(&goal));
+        for order in 0..=highest_joined {
+            let (axis, quantity, allowed) = (axis, Quantity::BY_ORDER[order], allowed[order]);
+            if order < 3 || promise.joined[order] {
+                let (worst_jump, at_time) = jumps.worst[order];
+                let (worst_jump, guaranteed) = (worst_jump.abs(), promise.joined[order]);
+                let join =
+                    JoinCheck { axis: axis.into(), quantity, worst_jump, allowed, at_time, guaranteed };
+                self.joins.push(join);
+            }
+            if order < 3 {
+                let missed = (end[order] - goal[order]).abs();
+                // What may jump may jump to its end.
+                let residual = if promise.joined[order] {
+                    largest((last[order] - end[order]).abs(), missed)
+                } else {
+                    missed
+                };
+                self.ends.push(EndCheck { axis: axis.into(), quantity, residual, allowed });
+            }
         }
     }
 }
 
-fn part(state: &State, quantity: Quantity) -> f64 {
-    match quantity {
-        Quantity::Position => state.position,
-        Quantity::Velocity => state.velocity,
-        _ => state.acceleration,
+fn parts(state: &State) -> [f64; 3] {
+    [state.position, state.velocity, state.acceleration]
+}
+
+/// The largest difference at a join, signed, and when; by the order of the derivative.
+struct Jumps {
+    worst: [(f64, f64); MAX_ORDER + 1],
+}
+
+impl Jumps {
+    /// Before the first piece and after the last nothing is joined, but for the derivatives from jerk on, up to `highest`, which
+    /// join standstill there or constant speed, and for an acceleration that may jump, which may jump to its end.
+    fn of(profile: &Profile, highest: usize, promise: &Promise) -> Self {
+        let mut jumps = Self { worst: [(0.0, 0.0); MAX_ORDER + 1] };
+        let mut still = [0.0; MAX_ORDER + 1];
+        let mut end = None;
+        for (time, segment) in profile.timed_segments() {
+            let start = derivatives(segment, 0.0, highest);
+            let lowest = if end.is_none() { 3 } else { 0 };
+            jumps.see(lowest, highest, end.as_ref().unwrap_or(&still), &start, time);
+            end = Some(derivatives(segment, segment.duration, highest));
+        }
+        if let Some(end) = end {
+            still[2] = profile.end().acceleration;
+            let lowest = if promise.joined[2] { 3 } else { 2 };
+            jumps.see(lowest, highest, &end, &still, profile.duration());
+        }
+        jumps
+    }
+
+    fn see(
+        &mut self,
+        lowest: usize,
+        highest: usize,
+        before: &[f64; MAX_ORDER + 1],
+        after: &[f64; MAX_ORDER + 1],
+        time: f64,
+    ) {
+        for order in lowest..=highest {
+            let (worst, jump) = (&mut self.worst[order], after[order] - before[order]);
+            // NaN counts as worst.
+            let smaller = jump.abs() <= worst.0.abs();
+            if !smaller {
+                *worst = (jump, time);
+            }
+        }
     }
 }
 
@@ -256,15 +343,14 @@ fn fastest_join(profile: &Profile) -> f64 {
     begins.fold(profile.end().velocity.abs(), f64::max)
 }
 
-/// The largest difference at a join, and when. Before the first piece nothing is joined; after the last the end is, where
-/// the motion may jump to it.
-fn worst_jump(profile: &Profile, jumps_to_end: bool, of: impl Fn(&State) -> f64) -> (f64, f64) {
-    let ends = profile.segments().iter().map(|segment| of(&segment.end()));
-    let begins = profile.timed_segments().skip(1).map(|(time, next)| (time, next.start));
-    let end = jumps_to_end.then(|| (profile.duration(), profile.end()));
-    ends.zip(begins.chain(end))
-        .map(|(end, (time, next))| ((of(&next) - end).abs(), time))
-        .fold((0.0, 0.0), |worst, jump| if jump.0 <= worst.0 { worst } else { jump })
+/// The derivatives at `t`, those above jerk only where they are asked for.
+fn derivatives(segment: &Segment, t: f64, highest: usize) -> [f64; MAX_ORDER + 1] {
+    if highest > 3 {
+        return segment.derivatives(t);
+    }
+    let mut all = [0.0; MAX_ORDER + 1];
+    all[..4].copy_from_slice(&segment.at(t).words());
+    all
 }
 
 /// The larger of two magnitudes; NaN where one is, so that what cannot be computed is not passed.
@@ -286,9 +372,10 @@ impl Worst {
 
     /// Takes `extremum` where its margin is less.
     fn see(&mut self, margin: f64, limit: f64, extremum: f64, at_time: f64) {
-        // NaN counts as worst.
+        // NaN counts as worst. Far inside a limit margins round to the same number; the greater magnitude tells.
         let better = margin >= self.margin;
-        if !better {
+        let same = better && margin <= self.margin;
+        if !better || (same && extremum.abs() > self.extremum.abs()) {
             *self = Self { margin, limit, extremum, at_time };
         }
     }
@@ -305,42 +392,65 @@ struct Extremes {
     greatest_position: (f64, f64),
     least_velocity: (f64, f64),
     greatest_velocity: (f64, f64),
-    acceleration: Worst,
-    jerk: Worst,
-    hardest: f64,
     /// A speed up to this is a rounded zero.
     zero: f64,
+    acceleration: Worst,
+    jerk: Worst,
+    /// From snap on.
+    higher: [Worst; MAX_ORDER - 3],
+    /// The greatest magnitude of acceleration, jerk …, at the index of the order.
+    hardest: [f64; MAX_ORDER + 1],
 }
 
 impl Extremes {
-    fn of(profile: &Profile, limits: &Limits) -> Self {
+    fn of(profile: &Profile, limits: &Limits, highest: usize) -> Self {
         let start = profile.start();
         let mut extremes = Self {
             least_position: (start.position, 0.0),
             greatest_position: (start.position, 0.0),
             least_velocity: (start.velocity, 0.0),
             greatest_velocity: (start.velocity, 0.0),
+            zero: VELOCITY_ULPS * f64::EPSILON * fastest_join(profile),
             acceleration: Worst::NONE,
             jerk: Worst::NONE,
-            hardest: 0.0,
-            zero: VELOCITY_ULPS * f64::EPSILON * fastest_join(profile),
+            higher: [Worst::NONE; MAX_ORDER - 3],
+            hardest: [0.0; MAX_ORDER + 1],
         };
         for (begin, segment) in profile.timed_segments() {
-            extremes.see_segment(begin, segment, limits);
+            extremes.see_segment(begin, segment, limits, highest);
         }
         if profile.segments().is_empty() {
             extremes.see_setpoint(0.0, Setpoint::held(start), start.velocity, limits);
         }
+        for order in 4..=highest {
+            let worst = &mut extremes.higher[order - 4];
+            if profile.segments().is_empty() {
+                worst.see_magnitude(0.0, limits.higher(order).unwrap_or_default(), 0.0);
+            }
+        }
         extremes
     }
 
-    fn see_segment(&mut self, begin: f64, segment: &Segment, limits: &Limits) {
-        for span in segment.turning_points().windows(2) {
+    fn see_segment(&mut self, begin: f64, segment: &Segment, limits: &Limits, highest: usize) {
+        let times = segment.turning_points();
+        for span in times.windows(2) {
             let (from, to) = (span[0], span[1]);
             // Between two turning points velocity keeps its sign, which tells speeding up from slowing down.
             let velocity = segment.at(0.5 * (from + to)).state.velocity;
             for t in [from, to] {
                 self.see_setpoint(begin + t, segment.at(t), velocity, limits);
+            }
+        }
+        if highest < 4 {
+            return;
+        }
+        let constant = matches!(segment.law, Law::ConstantJerk(_));
+        for &t in if constant { &times[..1] } else { &times[..] } {
+            let all = segment.derivatives(t);
+            for (order, &value) in all.iter().enumerate().take(highest + 1).skip(4) {
+                let limit = limits.higher(order).unwrap_or_default();
+                self.higher[order - 4].see_magnitude(value, limit, begin + t);
+                self.hardest[order] = self.hardest[order].max(value.abs());
             }
         }
     }
@@ -359,7 +469,8 @@ impl Extremes {
         };
         self.acceleration.see_magnitude(acceleration, hardest, time);
         self.jerk.see_magnitude(jerk, limits.jerk(), time);
-        self.hardest = self.hardest.max(acceleration.abs());
+        self.hardest[2] = self.hardest[2].max(acceleration.abs());
+        self.hardest[3] = self.hardest[3].max(jerk.abs());
     }
 
     fn extent(&self) -> f64 {
@@ -377,22 +488,20 @@ impl Extremes {
 
     /// What may be apart at a join or at the end, quantity by quantity. Below the normal numbers there is no relative
     /// rounding, so nothing is asked there.
-    fn allowed(&self, goal: &State) -> State {
+    fn allowed(&self, goal: &State) -> [f64; MAX_ORDER + 1] {
         let rounding = self.position_rounding().max(POSITION_ULPS * f64::EPSILON * goal.position.abs());
-        State {
-            position: JOIN_TOLERANCE * self.extent() + rounding + f64::MIN_POSITIVE,
-            velocity: JOIN_TOLERANCE * self.fastest() + f64::MIN_POSITIVE,
-            acceleration: JOIN_TOLERANCE * self.hardest + f64::MIN_POSITIVE,
-        }
+        let mut allowed = self.hardest.map(|hardest| JOIN_TOLERANCE * hardest + f64::MIN_POSITIVE);
+        allowed[0] = JOIN_TOLERANCE * self.extent() + rounding + f64::MIN_POSITIVE;
+        allowed[1] = JOIN_TOLERANCE * self.fastest() + f64::MIN_POSITIVE;
+        allowed
     }
 
-    fn worst(&self, limits: &Limits) -> impl Iterator<Item = (Quantity, Worst)> {
-        let position = self.position(limits).map(|worst| (Quantity::Position, worst));
-        position.into_iter().chain([
-            (Quantity::Velocity, self.velocity(limits)),
-            (Quantity::Acceleration, self.acceleration),
-            (Quantity::Jerk, self.jerk),
-        ])
+    /// By order, up to `highest`.
+    fn worst(&self, limits: &Limits, highest: usize) -> impl Iterator<Item = (usize, Worst)> {
+        let position = self.position(limits).map(|worst| (0, worst));
+        let higher = (4..=highest).zip(self.higher);
+        let each = [(1, self.velocity(limits)), (2, self.acceleration), (3, self.jerk)];
+        position.into_iter().chain(each).chain(higher)
     }
 
     /// The velocity that is nearest to the limit of its direction.
@@ -448,7 +557,7 @@ fn widen(least: &mut (f64, f64), greatest: &mut (f64, f64), value: f64, time: f6
 #[must_use]
 pub fn violations(profile: &Profile, limits: &Limits, goal: State) -> Vec<Violation> {
     let mut certificate = Certificate::default();
-    let guaranteed = [Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk];
-    certificate.judge("", profile, limits, goal, &guaranteed);
+    let promise = Promise::keeping(&[Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk]);
+    certificate.judge("", profile, limits, goal, &promise);
     certificate.violations().collect()
 }

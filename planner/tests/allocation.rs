@@ -9,7 +9,7 @@ use std::hint::black_box;
 
 use planner::{
     AxisKind, AxisMoveSpec, Cursor, Family, LimitsSpec, Problem, Request, RequestSpec, ShortPathPolicy,
-    State, Synchronization, plan, plan_move,
+    State, Synchronization, plan, plan_move, plan_polynomial, plan_trigonometric,
 };
 
 thread_local! {
@@ -82,6 +82,25 @@ fn a_plan_allocates_nothing() {
             });
             assert_eq!(count, 0, "{policy:?} from {from} to {to} over {length}");
         }
+    }
+}
+
+/// Rest to rest in the families that need rest.
+#[test]
+fn a_smoother_plan_allocates_nothing() {
+    let limits =
+        LimitsSpec { max_snap: Some(4e3), max_higher_derivatives: vec![1e6, 1e9, 1e12, 1e15], ..limits() };
+    for length in [1e-6, 0.1, 10.0] {
+        let (start, goal) = (State::at_rest(0.0), State::at_rest(length));
+        let limits = limits.clone().try_into().unwrap();
+        let problem = Problem::new(start, goal, limits, ShortPathPolicy::Reject).unwrap();
+        let count = allocations(|| {
+            black_box(plan_trigonometric(black_box(&problem))).unwrap();
+            for order in 2..=8 {
+                black_box(plan_polynomial(black_box(&problem), order)).unwrap();
+            }
+        });
+        assert_eq!(count, 0, "over {length}");
     }
 }
 

@@ -12,8 +12,9 @@ mod common;
 
 use common::{Case, any_case, case_from_zero, feasible_case};
 use planner::{
-    AdjustmentReason, AxisKind, AxisPlan, Cursor, CycleTime, Law, Method, Move, Plan, Profile, Quantity,
-    Segment, Setpoint, ShortPathPolicy, State, Why, certify, explain, plan_move, plan_stop, violations,
+    AdjustmentReason, AxisKind, AxisPlan, Cursor, CycleTime, Law, Method, Move, Plan, Problem, Profile,
+    Quantity, Segment, Setpoint, ShortPathPolicy, State, Why, certify, explain, plan_move, plan_stop,
+    violations,
 };
 use proptest::prelude::*;
 
@@ -155,10 +156,10 @@ fn check_mirrored(case: &Case) {
     let turned: Vec<Segment> = mirrored
         .segments()
         .iter()
-        .map(|&Segment { duration, start, law: Law::ConstantJerk(jerk) }| Segment {
+        .map(|&Segment { duration, start, law }| Segment {
             duration,
             start: start.mirrored(),
-            law: Law::ConstantJerk(-jerk),
+            law: law.mirrored(),
         })
         .collect();
     assert_eq!(ours.segments().as_slice(), turned);
@@ -373,7 +374,7 @@ fn check_mutations(case: &Case) {
                     2 | 3 if hardest == 0.0 => continue,
                     // As much as changes the acceleration by a part of the hardest.
                     3 => {
-                        let Law::ConstantJerk(jerk) = piece.law;
+                        let Law::ConstantJerk(jerk) = piece.law else { panic!("{:?}", piece.law) };
                         piece.law = Law::ConstantJerk(jerk + change * hardest / piece.duration);
                     }
                     _ => piece.duration += change * planned.duration(),
@@ -430,6 +431,23 @@ proptest! {
     #[test]
     fn the_nearest_velocity_is_nearest(case in case_from_zero()) {
         check_nearest(&case.policy(ShortPathPolicy::NearestVelocity));
+    }
+
+    /// The end velocity that a refusal advises is accepted.
+    #[test]
+    fn the_way_out_is_a_way_out(case in case_from_zero()) {
+        let problem = case.policy(ShortPathPolicy::Reject).problem();
+        if let Err(refusal) = plan_move(&problem) {
+            let Why::PathTooShort { nearest_velocity, .. } = refusal.as_slice()[0].why else {
+                return Err(TestCaseError::fail(refusal.to_string()));
+            };
+            let asked = |position, velocity| {
+                let goal = State { position, velocity, acceleration: 0.0 };
+                Problem::new(problem.start(), goal, problem.limits().clone(), ShortPathPolicy::Reject).unwrap()
+            };
+            let slower = plan_move(&asked(problem.goal().position, nearest_velocity));
+            prop_assert!(slower.is_ok(), "at {nearest_velocity}: {slower:?}");
+        }
     }
 
     #[test]

@@ -4,7 +4,8 @@
 
 use planner::{
     AxisKind, AxisMoveSpec, CycleTime, Family, Field, InvalidFields, Limits, LimitsSpec, Method, Plan,
-    Problem, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Why, plan, plan_move, plan_stop,
+    Problem, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Why, plan, plan_move,
+    plan_polynomial, plan_stop, plan_trigonometric,
 };
 
 fn limits() -> LimitsSpec {
@@ -70,7 +71,20 @@ fn the_words_of_every_reason() {
             Why::UnknownName { given: "S".into(), choices },
             "is \"S\", which this version does not know: use one of S_CURVE, TRAPEZOIDAL",
         ),
-        (Why::OrderUnsupported { given: 11 }, "asks for order 11: the highest is 10"),
+        (Why::OrderUnsupported { given: 11 }, "asks for order 11: a polynomial has an order of 2 to 8"),
+        (Why::OrderMissing, "is not set: say the order of the polynomial, 2 to 8"),
+        (
+            Why::OrderOfFamily { given: 4, family: "S_CURVE", order: 3 },
+            "asks for order 4: the family S_CURVE has order 3, so leave it out or choose POLYNOMIAL",
+        ),
+        (
+            Why::LimitMissing { order: 5, lower: 4 },
+            "is not set, and order 5 needs it: state the limit, or ask for order 4",
+        ),
+        (
+            Why::NotAtRest { given: 0.5, family: "TRIGONOMETRIC" },
+            "is 0.5: the family TRIGONOMETRIC goes from rest to rest, so give 0 or choose S_CURVE",
+        ),
         (Why::EvaluationVersion { given: 9 }, "is 9, and this planner evaluates version 1: plan again here"),
         (
             Why::DuplicateAxis { name: "x".into() },
@@ -150,7 +164,7 @@ fn everything_that_is_wrong_is_said_at_once() {
     };
     let spec = RequestSpec {
         cycle_time_ns: Some(-5),
-        family: Ok(Family::Polynomial),
+        family: Ok(Family::Trapezoidal),
         order: Some(4),
         short_path: Err(Why::UnknownChoice { given: 7, choices: "REJECT" }),
         synchronization: Ok(Synchronization::Time),
@@ -161,8 +175,7 @@ fn everything_that_is_wrong_is_said_at_once() {
     check(
         Request::try_from(spec),
         &[
-            "family: the family POLYNOMIAL is not implemented: choose S_CURVE",
-            "order: an order is not implemented: leave it out: the family S_CURVE has order 3",
+            "order: asks for order 4: the family TRAPEZOIDAL has order 2, so leave it out or choose POLYNOMIAL",
             "minimum_duration: is NaN: give a finite number of at most 1e60 in magnitude",
             "end_on_cycle: ending on a whole cycle is not implemented: leave it out: the plan's last cycle is its end \
              state, up to one cycle after the end",
@@ -283,12 +296,99 @@ fn what_a_later_version_will_do() {
         plan_stop(accelerating, &limits().try_into().unwrap()),
         &["a stop while accelerating is not implemented: stop from a constant speed"],
     );
-    for family in [Family::Polynomial, Family::Trigonometric] {
-        let spec = RequestSpec { family: Ok(family), ..request(vec![axis("x", State::at_rest(1.0))]) };
-        let refusal = Request::try_from(spec).unwrap_err();
-        assert_eq!(refusal.as_slice().len(), 1);
-        assert!(matches!(refusal.as_slice()[0].why, Why::NotImplemented { .. }), "{refusal}");
+}
+
+fn ask(family: Family, order: Option<u32>, axis: AxisMoveSpec) -> Result<Request, InvalidFields> {
+    Request::try_from(RequestSpec { family: Ok(family), order, ..request(vec![axis]) })
+}
+
+#[test]
+fn orders_that_a_family_does_not_have() {
+    let axis = || axis("x", State::at_rest(1.0));
+    check(
+        ask(Family::Polynomial, None, axis()),
+        &["order: is not set: say the order of the polynomial, 2 to 8"],
+    );
+    for order in [0, 1, 9, 40, u32::MAX] {
+        let said = format!("order: asks for order {order}: a polynomial has an order of 2 to 8");
+        check(ask(Family::Polynomial, Some(order), axis()), &[&said]);
     }
+    for (family, own) in [(Family::SCurve, 3), (Family::Trapezoidal, 2), (Family::Trigonometric, 3)] {
+        assert_eq!(ask(family, Some(own), axis()).unwrap().order(), own);
+        let said = format!(
+            "order: asks for order 5: the family {} has order {own}, so leave it out or choose POLYNOMIAL",
+            family.name()
+        );
+        check(ask(family, Some(5), axis()), &[&said]);
+    }
+    for order in [0, 1, 9] {
+        let problem = problem(State::at_rest(0.0), State::at_rest(1.0), limits()).unwrap();
+        check(
+            plan_polynomial(&problem, order),
+            &[&format!("order: asks for order {order}: a polynomial has an order of 2 to 8")],
+        );
+    }
+}
+
+#[test]
+fn limits_that_an_order_needs() {
+    let with = |max_snap: Option<f64>, higher: usize| AxisMoveSpec {
+        limits: LimitsSpec { max_snap, max_higher_derivatives: vec![7.0; higher], ..limits() },
+        ..axis("x", State::at_rest(1.0))
+    };
+    let snap = "axes[0].limits.max_snap: is not set, and order";
+    let higher = "axes[0].limits.max_higher_derivatives: is not set, and order";
+    let rows = [
+        (4, with(None, 0), vec![format!("{snap} 4 needs it: state the limit, or ask for order 3")]),
+        (
+            5,
+            with(None, 0),
+            vec![
+                format!("{snap} 5 needs it: state the limit, or ask for order 3"),
+                format!("{higher} 5 needs it: state the limit, or ask for order 3"),
+            ],
+        ),
+        (5, with(None, 1), vec![format!("{snap} 5 needs it: state the limit, or ask for order 3")]),
+        (8, with(Some(1.0), 3), vec![format!("{higher} 8 needs it: state the limit, or ask for order 7")]),
+    ];
+    for (order, axis, said) in rows {
+        let said: Vec<&str> = said.iter().map(String::as_str).collect();
+        check(ask(Family::Polynomial, Some(order), axis), &said);
+    }
+    for (order, axis) in
+        [(2, with(None, 0)), (3, with(None, 0)), (4, with(Some(1.0), 0)), (8, with(Some(1.0), 4))]
+    {
+        assert_eq!(ask(Family::Polynomial, Some(order), axis).unwrap().order(), order);
+    }
+}
+
+#[test]
+fn ends_in_motion_for_families_that_need_rest() {
+    for (family, order) in [(Family::Polynomial, Some(2)), (Family::Trigonometric, None)] {
+        let start = State { position: 0.0, velocity: -0.5, acceleration: 0.25 };
+        let axis = AxisMoveSpec { start, ..axis("x", moving(1.0, 0.125)) };
+        let rest =
+            format!("the family {} goes from rest to rest, so give 0 or choose S_CURVE", family.name());
+        check(
+            ask(family, order, axis),
+            &[
+                &format!("axes[0].start.velocity: is -0.5: {rest}"),
+                &format!("axes[0].start.acceleration: is 0.25: {rest}"),
+                &format!("axes[0].goal.velocity: is 0.125: {rest}"),
+            ],
+        );
+        let nan = AxisMoveSpec { start: moving(0.0, f64::NAN), ..self::axis("x", State::at_rest(1.0)) };
+        let said = "axes[0].start.velocity: is NaN: give a finite number of at most 1e60 in magnitude";
+        check(ask(family, order, nan), &[said]);
+    }
+    let problem = problem(moving(0.0, 0.5), State::at_rest(1.0), limits()).unwrap();
+    let said = |family: &str| {
+        format!(
+            "start.velocity: is 0.5: the family {family} goes from rest to rest, so give 0 or choose S_CURVE"
+        )
+    };
+    check(plan_polynomial(&problem, 3), &[&said("POLYNOMIAL")]);
+    check(plan_trigonometric(&problem), &[&said("TRIGONOMETRIC")]);
 }
 
 #[test]

@@ -24,6 +24,28 @@ fn request(distance: f64, start: f64, end: f64, cruise: f64) -> RequestSpec {
     pb::PlanRequest { axes: vec![axis], short_path_policy: policy, ..Default::default() }.into()
 }
 
+/// From rest to rest, with limits of every order, by another family.
+fn smoother(distance: f64, cruise: f64, family: pb::ProfileFamily, order: Option<u32>) -> RequestSpec {
+    let mut spec = request(distance, 0.0, 0.0, cruise);
+    let wire = pb::PlanRequest { family: family as i32, ..Default::default() };
+    spec.family = RequestSpec::from(wire).family;
+    spec.order = order;
+    spec.axes[0].limits.max_snap = Some(1e4);
+    spec.axes[0].limits.max_higher_derivatives = vec![1e6, 1e8, 1e10, 1e12];
+    spec
+}
+
+fn comes_back(judged: &Judged) -> Result<(), TestCaseError> {
+    let wire = plan_to_wire(judged);
+    let bytes = wire.encode_to_vec();
+    let back = plan_from_wire(pb::Plan::decode(bytes.as_slice()).unwrap()).unwrap();
+    prop_assert_eq!(&back, judged.plan());
+    prop_assert_eq!(plan_to_wire(&Judged::new(back)).encode_to_vec(), bytes);
+    let json = proto::to_json(&wire).unwrap();
+    prop_assert_eq!(proto::from_json::<pb::Plan>(&json).unwrap(), wire);
+    Ok(())
+}
+
 fn judged(spec: RequestSpec) -> Judged {
     Judged::answer(&Request::try_from(spec).unwrap()).unwrap()
 }
@@ -33,14 +55,21 @@ proptest! {
     fn a_plan_comes_back_with_the_same_bits(
         distance in 1e-9..10.0, start in 0.0..0.5, end in 0.0..0.5, cruise in 0.5..2.0,
     ) {
-        let judged = judged(request(distance, start, end, cruise));
-        let wire = plan_to_wire(&judged);
-        let bytes = wire.encode_to_vec();
-        let back = plan_from_wire(pb::Plan::decode(bytes.as_slice()).unwrap()).unwrap();
-        prop_assert_eq!(&back, judged.plan());
-        prop_assert_eq!(plan_to_wire(&Judged::new(back)).encode_to_vec(), bytes);
-        let json = proto::to_json(&wire).unwrap();
-        prop_assert_eq!(proto::from_json::<pb::Plan>(&json).unwrap(), wire);
+        comes_back(&judged(request(distance, start, end, cruise)))?;
+    }
+
+    #[test]
+    fn a_plan_of_order_n_comes_back_with_the_same_bits(
+        distance in -10.0..10.0f64, cruise in 0.5..2.0, order in 2..=8u32,
+    ) {
+        let spec = smoother(distance, cruise, pb::ProfileFamily::Polynomial, Some(order));
+        comes_back(&judged(spec).accepted().unwrap().judged().clone())?;
+    }
+
+    #[test]
+    fn a_plan_of_cosines_comes_back_with_the_same_bits(distance in -10.0..10.0f64, cruise in 0.5..2.0) {
+        let spec = smoother(distance, cruise, pb::ProfileFamily::Trigonometric, None);
+        comes_back(&judged(spec).accepted().unwrap().judged().clone())?;
     }
 
     #[test]
@@ -190,4 +219,49 @@ fn every_invalid_field_is_named_at_once() {
     );
     let start = rejected.fields.iter().find(|violation| violation.field == "axes[0].goal.position");
     assert_eq!(start.unwrap().reason, proto::Reason::NotFinite);
+}
+
+#[test]
+fn laws_that_are_none_are_refused_with_their_path() {
+    use pb::axis_segment::{CosineJerk, Law, Polynomial};
+    let polynomial = |derivatives: &[f64]| Law::Polynomial(Polynomial { derivatives: derivatives.to_vec() });
+    let rows = [
+        (Law::Jerk(f64::NAN), proto::Reason::NotFinite, "jerk"),
+        (polynomial(&[]), proto::Reason::OrderUnsupported, "polynomial.derivatives"),
+        (polynomial(&[1.0; 7]), proto::Reason::OrderUnsupported, "polynomial.derivatives"),
+        (polynomial(&[1.0, f64::INFINITY]), proto::Reason::NotFinite, "polynomial.derivatives[1]"),
+        (
+            Law::CosineJerk(CosineJerk { peak_jerk: f64::NAN }),
+            proto::Reason::NotFinite,
+            "cosine_jerk.peak_jerk",
+        ),
+    ];
+    for (law, reason, field) in rows {
+        let mut wire = plan_to_wire(&judged(request(0.05, 0.0, 0.0, 0.25)));
+        wire.axes[0].segments[1].law = Some(law);
+        let rejected = proto::Rejected::from(plan_from_wire(wire).unwrap_err());
+        let found: Vec<_> = rejected.fields.iter().map(|violation| violation.field.as_str()).collect();
+        assert_eq!(found, [format!("axes[0].segments[1].{field}")]);
+        assert_eq!(rejected.reason, reason);
+    }
+}
+
+#[test]
+fn refusals_of_the_families_have_their_reasons() {
+    let reason = |spec: RequestSpec| {
+        let rejected = proto::Rejected::from(Request::try_from(spec).unwrap_err());
+        (rejected.reason, rejected.fields[0].field.clone())
+    };
+    let polynomial = |order| smoother(1.0, 1.0, pb::ProfileFamily::Polynomial, order);
+    for order in [None, Some(0), Some(1), Some(40)] {
+        assert_eq!(reason(polynomial(order)), (proto::Reason::OrderUnsupported, "order".into()));
+    }
+    let mut no_snap = polynomial(Some(4));
+    no_snap.axes[0].limits.max_snap = None;
+    let field = "axes[0].limits.max_snap".into();
+    assert_eq!(reason(no_snap), (proto::Reason::LimitNotPositive, field));
+    let mut moving = smoother(1.0, 1.0, pb::ProfileFamily::Trigonometric, None);
+    moving.axes[0].start.velocity = 0.25;
+    let field = "axes[0].start.velocity".into();
+    assert_eq!(reason(moving), (proto::Reason::StateNotAtRest, field));
 }

@@ -108,6 +108,10 @@ pub(crate) fn unit(kind: AxisKind, quantity: Quantity) -> String {
         Quantity::Acceleration => format!("{base}/s²"),
         Quantity::Jerk => format!("{base}/s³"),
         Quantity::Snap => format!("{base}/s⁴"),
+        Quantity::Crackle => format!("{base}/s⁵"),
+        Quantity::Pop => format!("{base}/s⁶"),
+        Quantity::Lock => format!("{base}/s⁷"),
+        Quantity::Drop => format!("{base}/s⁸"),
         Quantity::Time => "s".to_owned(),
     }
 }

@@ -331,7 +331,7 @@ fn limits(axis: &AxisPlan, quantity: Quantity) -> Vec<f64> {
         Quantity::Velocity => [limits.velocity_forward(), -limits.velocity_reverse()].into(),
         Quantity::Acceleration => [hardest, -hardest].into(),
         Quantity::Jerk => [limits.jerk(), -limits.jerk()].into(),
-        Quantity::Snap | Quantity::Time => Vec::new(),
+        _ => Vec::new(),
     }
 }
 

@@ -4,7 +4,7 @@ use std::io;
 
 use planner::{
     AdjustmentReason, AsymmetricType, AxisKind, AxisPlan, Certificate, Classification, EightType, Family,
-    Judged, Plan, Quantity,
+    Judged, Method, Plan, Quantity,
 };
 
 use crate::show::number::{self, column, plain, unit};
@@ -21,12 +21,7 @@ pub(crate) fn plan(screen: &mut Screen<'_>, judged: &Judged) -> io::Result<()> {
     let (seconds, cycles) = (plain(plan.duration()), plan.cycle_count());
     let heading = format!("{seconds} s, {cycles} cycles of {}", number::cycle(plan.cycle_time()));
     let version = clean(&plan.maker().planner_version);
-    writeln!(
-        screen.out,
-        "{}; {} by planner {version}",
-        paint.heading(&heading),
-        family(plan.method().family)
-    )?;
+    writeln!(screen.out, "{}; {} by planner {version}", paint.heading(&heading), family(plan.method()))?;
     let critical = &judged.explanation().critical_axis;
     if plan.axes().len() > 1 {
         writeln!(screen.out, "Axis {} takes longest.", clean(critical))?;
@@ -211,12 +206,12 @@ fn kind(kind: AxisKind) -> &'static str {
     }
 }
 
-fn family(family: Family) -> &'static str {
-    match family {
-        Family::SCurve => "S-curve",
-        Family::Trapezoidal => "trapezoid",
-        Family::Polynomial => "polynomial",
-        Family::Trigonometric => "trigonometric",
+fn family(method: Method) -> String {
+    match method.family {
+        Family::SCurve => "S-curve".to_owned(),
+        Family::Trapezoidal => "trapezoid".to_owned(),
+        Family::Polynomial => format!("polynomial of order {}", method.order),
+        Family::Trigonometric => "trigonometric".to_owned(),
     }
 }
 

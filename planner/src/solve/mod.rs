@@ -9,6 +9,8 @@ mod ramp;
 mod s_curve;
 mod trapezoid;
 
+pub(crate) use planned::Piece;
+use planned::Pulses;
 pub use planned::{Adjustment, AdjustmentReason, MAX_PIECES, Move};
 
 use arrayvec::ArrayVec;
@@ -48,7 +50,7 @@ pub fn plan_move(problem: &Problem) -> Result<Move, InvalidFields> {
     pieces::lay(&mut pieces, &shape, problem.start(), reached, direction, lane.jerk);
     let classification =
         if pieces.is_empty() { Classification::of_speed(lane.start) } else { classify(&lane, &shape) };
-    Ok(Move { pieces, reached, adjustments, classification })
+    Ok(Move { pieces, pulses: Pulses::Rectangles, reached, adjustments, classification })
 }
 
 /// The time-optimal move of constant acceleration in pieces, in the direction of travel: the jerk is not limited, and the
@@ -76,7 +78,15 @@ pub fn plan_trapezoid(problem: &Problem) -> Result<Move, InvalidFields> {
     let mut pieces = ArrayVec::new();
     pieces::lay_trapezoid(&mut pieces, &shape, problem.start(), reached, direction, &lane);
     let classification = Classification::of_speed(if pieces.is_empty() { lane.start } else { shape.peak });
-    Ok(Move { pieces, reached, adjustments, classification })
+    Ok(Move { pieces, pulses: Pulses::Rectangles, reached, adjustments, classification })
+}
+
+/// What is said of a feed rate above the velocity limit, which holds.
+pub(crate) fn feed_rate_above_limit(limits: &Limits, direction: f64) -> Option<Adjustment> {
+    let planned = limits.velocity_towards(direction);
+    let asked = limits.spec().feed_rate.filter(|&feed_rate| feed_rate > planned)?;
+    let reason = AdjustmentReason::FeedRateAboveLimit;
+    Some(Adjustment { quantity: Quantity::Velocity, asked, planned, reason })
 }
 
 /// The fastest stop from a constant speed, within `limits`.
@@ -97,7 +107,8 @@ pub fn plan_stop(from: State, limits: &Limits) -> Result<Move, InvalidFields> {
     let reached = State::at_rest(from.position + direction * length);
     within_range(reached.position, down.time(), limits)?;
     let classification = Classification::of_speed(speed);
-    let mut stop = Move { pieces: ArrayVec::new(), reached, adjustments: ArrayVec::new(), classification };
+    let (pieces, adjustments) = (ArrayVec::new(), ArrayVec::new());
+    let mut stop = Move { pieces, pulses: Pulses::Rectangles, reached, adjustments, classification };
     let shape = Shape::one_ramp(EightType::Type8C, Ramp::default(), down, speed, 0.0);
     pieces::lay(&mut stop.pieces, &shape, from, reached, direction, jerk);
     Ok(stop)
@@ -111,11 +122,7 @@ fn adjusted(
     reason: Option<AdjustmentReason>,
 ) -> (State, ArrayVec<Adjustment, 2>) {
     let mut adjustments = ArrayVec::new();
-    let fastest = problem.limits().velocity_towards(direction);
-    if let Some(asked) = problem.limits().spec().feed_rate.filter(|&feed_rate| feed_rate > fastest) {
-        let reason = AdjustmentReason::FeedRateAboveLimit;
-        adjustments.push(Adjustment { quantity: Quantity::Velocity, asked, planned: fastest, reason });
-    }
+    adjustments.extend(feed_rate_above_limit(problem.limits(), direction));
     let mut reached = problem.goal();
     if let Some(reason) = reason {
         reached.velocity = signed(direction, end);
@@ -207,7 +214,7 @@ fn shape(lane: &Lane, policy: ShortPathPolicy) -> Solved<Shape> {
         }
         ShortPathPolicy::Reverse => Err(Refusal::NeedsReversal),
         ShortPathPolicy::Reject | ShortPathPolicy::MatchStartVelocity => {
-            Err(Refusal::TooShort { needed: lane.least_length(), nearest: nearest::solve(lane).end })
+            Err(Refusal::TooShort { needed: lane.least_length(), nearest: nearest::acceptable_end(lane) })
         }
     }
 }

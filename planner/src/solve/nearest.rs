@@ -31,6 +31,23 @@ pub(super) fn solve(lane: &Lane) -> Shape {
     Shape::one_ramp(EightType::Type8C, Ramp::default(), ramp, lane.start, largest(0.0, lane.start - change))
 }
 
+/// The nearest end speed \[axis units/s\] as a goal of its own: rounded away from the one asked for, as far as it takes to be
+/// accepted. Near the longest ramp the length hardly depends on the end speed, so that a rounding of the one is many of the
+/// other.
+pub(super) fn acceptable_end(lane: &Lane) -> f64 {
+    let nearest = solve(lane).end;
+    let away = if nearest < lane.end { -1.0 } else { 1.0 };
+    let mut step = 0.0;
+    loop {
+        let end = largest(0.0, nearest + away * step);
+        // A step of the whole speed has reached the start speed or rest, where there is always a way.
+        if step > lane.start + nearest || !(Lane { end, ..*lane }).is_too_short() {
+            return end;
+        }
+        step = largest(2.0 * step, f64::EPSILON * largest(nearest, f64::MIN_POSITIVE));
+    }
+}
+
 /// A change of speed and its ramp.
 type Change = (f64, Ramp);
 

@@ -9,23 +9,36 @@ pub const MAX_PIECES: usize = 7;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
     pub(super) pieces: ArrayVec<Piece, MAX_PIECES>,
+    pub(super) pulses: Pulses,
     pub(super) reached: State,
     pub(super) adjustments: ArrayVec<Adjustment, 2>,
     pub(super) classification: Classification,
 }
 
-/// A segment of constant jerk, which is all that there is here: copying seven that could be of any law costs more than
-/// planning them.
+/// A segment whose law is one number, since the pulses of a move are all of one kind: copying seven that could be of any
+/// law costs more than planning them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Piece {
-    pub(super) duration: f64,
-    pub(super) start: State,
-    pub(super) jerk: f64,
+pub(crate) struct Piece {
+    pub(crate) duration: f64,
+    pub(crate) start: State,
+    /// The jerk of a rectangle, or the greatest of a cosine.
+    pub(crate) jerk: f64,
 }
 
-impl From<Piece> for Segment {
-    fn from(Piece { duration, start, jerk }: Piece) -> Self {
-        Self { duration, start, law: Law::ConstantJerk(jerk) }
+/// What the jerk of a whole move is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pulses {
+    Rectangles,
+    Cosines,
+}
+
+impl Pulses {
+    fn segment(self, Piece { duration, start, jerk }: Piece) -> Segment {
+        let law = match self {
+            Self::Cosines if jerk != 0.0 => Law::CosineJerk { peak: jerk },
+            Self::Cosines | Self::Rectangles => Law::ConstantJerk(jerk),
+        };
+        Segment { duration, start, law }
     }
 }
 
@@ -77,10 +90,28 @@ impl AdjustmentReason {
 }
 
 impl Move {
+    /// A motion of cosine pulses that has no pieces yet.
+    pub(crate) fn of_cosines(reached: State, adjustment: Option<Adjustment>) -> Self {
+        let mut adjustments = ArrayVec::new();
+        adjustments.extend(adjustment);
+        let (pieces, classification) = (ArrayVec::new(), Classification::default());
+        Self { pieces, pulses: Pulses::Cosines, reached, adjustments, classification }
+    }
+
+    /// The pieces, to be laid.
+    pub(crate) fn pieces(&mut self) -> &mut ArrayVec<Piece, MAX_PIECES> {
+        &mut self.pieces
+    }
+
+    /// Names the shape.
+    pub(crate) fn classify(&mut self, classification: Classification) {
+        self.classification = classification;
+    }
+
     /// The pieces, in order; none where nothing moves.
     #[must_use]
     pub fn segments(&self) -> ArrayVec<Segment, MAX_PIECES> {
-        self.pieces.iter().copied().map(Segment::from).collect()
+        self.pieces.iter().map(|&piece| self.pulses.segment(piece)).collect()
     }
 
     /// How long the motion lasts \[s\].
@@ -118,7 +149,7 @@ impl Move {
                 return if t < 0.0 {
                     Setpoint::held(piece.start)
                 } else {
-                    Segment::from(piece).at(t - begin)
+                    self.pulses.segment(piece).at(t - begin)
                 };
             }
             begin = next;
@@ -129,6 +160,7 @@ impl Move {
     /// The motion as a profile of its own.
     #[must_use]
     pub fn to_profile(&self) -> Profile {
-        Profile::new(self.pieces.iter().copied().map(Segment::from).collect(), self.reached)
+        let segments = self.pieces.iter().map(|&piece| self.pulses.segment(piece)).collect();
+        Profile::new(segments, self.reached)
     }
 }

@@ -111,6 +111,28 @@ impl Case {
     }
 }
 
+/// Limits of snap, and of the derivatives above it, from those of velocity, acceleration …
+pub(crate) fn higher_limits(limits: &[f64]) -> (Option<f64>, Vec<f64>) {
+    (limits.get(3).copied(), limits.iter().skip(4).copied().collect())
+}
+
+/// From rest to rest within the limits of velocity, acceleration … as many as there are; those that every axis has and that
+/// are not given hold nothing back.
+pub(crate) fn polynomial_problem(from: f64, to: f64, limits: &[f64]) -> Problem {
+    let limit = |order: usize| limits.get(order - 1).copied().unwrap_or(1e50);
+    let (max_snap, max_higher_derivatives) = higher_limits(limits);
+    let spec = LimitsSpec {
+        max_velocity: limit(1),
+        max_acceleration: limit(2),
+        max_jerk: limit(3),
+        max_snap,
+        max_higher_derivatives,
+        ..LimitsSpec::default()
+    };
+    let limits = Limits::try_from(spec).unwrap();
+    Problem::new(State::at_rest(from), State::at_rest(to), limits, ShortPathPolicy::Reject).unwrap()
+}
+
 /// The time of a ramp, written a second time: independent of the solver.
 pub(crate) fn ramp_time(change: f64, acceleration: f64, jerk: f64) -> f64 {
     if change * jerk < acceleration * acceleration {

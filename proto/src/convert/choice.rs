@@ -43,9 +43,9 @@ choice!(synchronization_from_wire, synchronization_to_wire, Synchronization, pb:
     unset: Some(Synchronization::Time), "NONE, TIME, PHASE", { None = None, Time = Time, Phase = Phase });
 
 choice!(quantity_from_wire, quantity_to_wire, Quantity, pb::Quantity, unset: None,
-    "POSITION, VELOCITY, ACCELERATION, JERK, SNAP, TIME",
+    "POSITION, VELOCITY, ACCELERATION, JERK, SNAP, CRACKLE, POP, LOCK, DROP, TIME",
     { Position = Position, Velocity = Velocity, Acceleration = Acceleration, Jerk = Jerk, Snap = Snap,
-      Time = Time });
+      Crackle = Crackle, Pop = Pop, Lock = Lock, Drop = Drop, Time = Time });
 
 choice!(phase_from_wire, phase_to_wire, Phase, pb::Phase, unset: None,
     "MOVING, HOLDING, STOPPING, STANDSTILL, FINISHED",

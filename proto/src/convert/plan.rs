@@ -1,7 +1,7 @@
 use planner::{
-    Adjustment, AdjustmentReason, AsymmetricType, AxisPlan, Classification, CycleTime, EightType, Field,
-    InvalidField, InvalidFields, Judged, Law, Limits, LimitsSpec, Maker, Method, Plan, Profile, Segment,
-    SixCase, State, Why,
+    Adjustment, AdjustmentReason, AsymmetricType, AxisPlan, Classification, CycleTime, Derivatives,
+    EightType, Field, InvalidField, InvalidFields, Judged, Law, Limits, LimitsSpec, Maker, Method, Plan,
+    Profile, Segment, SixCase, State, Why,
 };
 
 use super::choice::{
@@ -199,6 +199,13 @@ fn segment_to_wire(segment: &Segment) -> pb::AxisSegment {
     let Segment { duration, start, law } = *segment;
     let law = match law {
         Law::ConstantJerk(jerk) => pb::axis_segment::Law::Jerk(jerk),
+        Law::Polynomial(derivatives) => {
+            let derivatives = derivatives.as_slice().to_vec();
+            pb::axis_segment::Law::Polynomial(pb::axis_segment::Polynomial { derivatives })
+        }
+        Law::CosineJerk { peak } => {
+            pb::axis_segment::Law::CosineJerk(pb::axis_segment::CosineJerk { peak_jerk: peak })
+        }
     };
     pb::AxisSegment { duration, start: Some(start.into()), law: Some(law) }
 }
@@ -212,19 +219,44 @@ fn segment_from_wire(wire: pb::AxisSegment) -> Result<Segment, InvalidFields> {
     } else if duration <= 0.0 {
         invalid.note("duration", Some(Why::NotPositive { given: duration }));
     }
-    let later = |what| Err(Why::NotImplemented { what, instead: "use segments of constant jerk" });
-    let law = match law {
-        Some(pb::axis_segment::Law::Jerk(jerk)) if !jerk.is_finite() => Err(Why::NotFinite { given: jerk }),
-        Some(pb::axis_segment::Law::Jerk(jerk)) => Ok(Law::ConstantJerk(jerk)),
-        Some(pb::axis_segment::Law::Polynomial(_)) => later("a polynomial of higher order"),
-        Some(pb::axis_segment::Law::CosineJerk(_)) => later("a cosine jerk"),
-        None => Err(Why::Unspecified { choices: "jerk, polynomial, cosine_jerk" }),
-    };
-    match law {
-        Ok(law) => invalid.into_result(Segment { duration, start, law }),
-        Err(why) => {
-            invalid.note("law", Some(why));
+    match law.map(law_from_wire) {
+        Some(law) => match invalid.take(&Field::default(), law) {
+            Some(law) if invalid.is_empty() => Ok(Segment { duration, start, law }),
+            _ => Err(invalid),
+        },
+        None => {
+            invalid.note("law", Some(Why::Unspecified { choices: "jerk, polynomial, cosine_jerk" }));
             Err(invalid)
+        }
+    }
+}
+
+fn law_from_wire(wire: pb::axis_segment::Law) -> Result<Law, InvalidFields> {
+    use pb::axis_segment::{CosineJerk, Law as Wire, Polynomial};
+    let not_finite = |given: f64| (!given.is_finite()).then_some(Why::NotFinite { given });
+    let mut invalid = InvalidFields::default();
+    match wire {
+        Wire::Jerk(jerk) => {
+            invalid.note("jerk", not_finite(jerk));
+            invalid.into_result(Law::ConstantJerk(jerk))
+        }
+        Wire::Polynomial(Polynomial { derivatives }) => {
+            let name = |index| Field::element("polynomial.derivatives", index);
+            for (index, &given) in derivatives.iter().enumerate() {
+                invalid.note(name(index).as_str(), not_finite(given));
+            }
+            match Derivatives::new(&derivatives) {
+                Some(law) => invalid.into_result(Law::Polynomial(law)),
+                None => {
+                    // The first of them is that of order 3.
+                    let why = Why::OrderUnsupported { given: derivatives.len() + 2 };
+                    Err(InvalidFields::one(Field::named("polynomial.derivatives"), why))
+                }
+            }
+        }
+        Wire::CosineJerk(CosineJerk { peak_jerk }) => {
+            invalid.note("cosine_jerk.peak_jerk", not_finite(peak_jerk));
+            invalid.into_result(Law::CosineJerk { peak: peak_jerk })
         }
     }
 }

@@ -54,7 +54,11 @@ fn reason(why: &Why) -> Reason {
         Why::TooManySegments { .. } => Reason::TooManySegments,
         Why::TooManyCycles { .. } => Reason::TooManyCycles,
         Why::CycleTime { .. } => Reason::CycleTimeInvalid,
-        Why::OrderUnsupported { .. } => Reason::OrderUnsupported,
+        Why::OrderUnsupported { .. } | Why::OrderMissing | Why::OrderOfFamily { .. } => {
+            Reason::OrderUnsupported
+        }
+        Why::LimitMissing { .. } => Reason::LimitNotPositive,
+        Why::NotAtRest { .. } => Reason::StateNotAtRest,
         Why::EvaluationVersion { .. } => Reason::PlanRejected,
         Why::StartOutsideLimits { .. } => Reason::StartOutsideLimits,
         Why::GoalOutsideLimits { .. } => Reason::GoalOutsideLimits,
@@ -77,7 +81,9 @@ fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
         Why::PositionLimit { reached, allowed, .. } => {
             rejected.with("needed", allowed).with("given", reached).with("nearest", allowed)
         }
-        Why::NotFinite { given } | Why::NotPositive { given } => rejected.with("given", given),
+        Why::NotFinite { given } | Why::NotPositive { given } | Why::NotAtRest { given, .. } => {
+            rejected.with("given", given)
+        }
         _ => rejected,
     }
 }

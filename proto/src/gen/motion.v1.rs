@@ -112,7 +112,8 @@ pub struct PlanRequest {
     /// The law of the move. Unset: S_CURVE.
     #[prost(enumeration = "ProfileFamily", tag = "3")]
     pub family: i32,
-    /// Order of the highest limited derivative; for POLYNOMIAL only, 2 and up. Unset: 3.
+    /// Order of the highest limited derivative. POLYNOMIAL needs it, 2 to 8; every other family has one
+    /// of its own (TRAPEZOIDAL 2, else 3), which may be stated or left out.
     #[prost(uint32, optional, tag = "4")]
     pub order: ::core::option::Option<u32>,
     /// When the path is too short for the end velocity. Unset: REJECT.
@@ -173,7 +174,8 @@ pub mod axis_segment {
     /// A polynomial given by its derivatives.
     #[derive(Clone, PartialEq, ::prost::Message)]
     pub struct Polynomial {
-        /// Jerk, snap, ... at the start of the segment \[u/s^3, u/s^4, ...\]; the last one is constant.
+        /// Jerk, snap, ... at the start of the segment \[u/s^3, u/s^4, ...\]: one to six of them; the last
+        /// one is constant.
         #[prost(double, repeated, tag = "1")]
         pub derivatives: ::prost::alloc::vec::Vec<f64>,
     }
@@ -878,6 +880,14 @@ pub enum Quantity {
     Snap = 5,
     /// \[s\]
     Time = 6,
+    /// The fifth derivative of position \[u/s^5\].
+    Crackle = 7,
+    /// The sixth derivative of position \[u/s^6\].
+    Pop = 8,
+    /// The seventh derivative of position \[u/s^7\].
+    Lock = 9,
+    /// The eighth derivative of position \[u/s^8\].
+    Drop = 10,
 }
 impl Quantity {
     /// String value of the enum field names used in the ProtoBuf definition.
@@ -893,6 +903,10 @@ impl Quantity {
             Self::Jerk => "QUANTITY_JERK",
             Self::Snap => "QUANTITY_SNAP",
             Self::Time => "QUANTITY_TIME",
+            Self::Crackle => "QUANTITY_CRACKLE",
+            Self::Pop => "QUANTITY_POP",
+            Self::Lock => "QUANTITY_LOCK",
+            Self::Drop => "QUANTITY_DROP",
         }
     }
     /// Creates an enum from field names used in the ProtoBuf definition.
@@ -905,6 +919,10 @@ impl Quantity {
             "QUANTITY_JERK" => Some(Self::Jerk),
             "QUANTITY_SNAP" => Some(Self::Snap),
             "QUANTITY_TIME" => Some(Self::Time),
+            "QUANTITY_CRACKLE" => Some(Self::Crackle),
+            "QUANTITY_POP" => Some(Self::Pop),
+            "QUANTITY_LOCK" => Some(Self::Lock),
+            "QUANTITY_DROP" => Some(Self::Drop),
             _ => None,
         }
     }

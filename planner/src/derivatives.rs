@@ -1,0 +1,139 @@
+use arrayvec::ArrayVec;
+
+use crate::roots::{linear, quadratic, sign_change};
+use crate::{MAX_ORDER, Setpoint, State};
+
+/// The most derivatives of one law: jerk to the one of order [`MAX_ORDER`].
+const MOST: usize = MAX_ORDER - 2;
+
+/// 1/k: what Horner's scheme for a Taylor series multiplies by. A product instead of a quotient costs half a unit in the
+/// last place and saves most of the time.
+pub(crate) const RECIPROCAL: [f64; MAX_ORDER + 1] =
+    [0.0, 1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 5.0, 1.0 / 6.0, 1.0 / 7.0, 1.0 / 8.0];
+
+/// Jerk, snap … at the start of a piece [axis units/s³, /s⁴ …]; the last of them stays constant.
+///
+/// ```
+/// # use planner::{Derivatives, Law, Segment, State};
+/// let snap = Derivatives::new(&[0.0, 24.0]).expect("one to six of them");
+/// let piece = Segment { duration: 1.0, start: State::at_rest(1.0), law: Law::Polynomial(snap) };
+/// assert_eq!(piece.end(), State { position: 2.0, velocity: 4.0, acceleration: 12.0 });
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Derivatives {
+    /// Zero from `count` on.
+    values: [f64; MOST],
+    count: u8,
+}
+
+impl Derivatives {
+    /// One to six derivatives, jerk first; `None` of more or fewer.
+    #[must_use]
+    pub fn new(given: &[f64]) -> Option<Self> {
+        if given.is_empty() || given.len() > MOST {
+            return None;
+        }
+        let mut values = [0.0; MOST];
+        values[..given.len()].copy_from_slice(given);
+        Some(Self { values, count: given.len() as u8 })
+    }
+
+    /// Jerk and what is above it, of which everything above `order` is zero.
+    #[inline]
+    pub(crate) fn up_to(order: usize, jerk: f64, higher: [f64; MOST - 1]) -> Self {
+        let [snap, crackle, pop, lock, drop] = higher;
+        Self { values: [jerk, snap, crackle, pop, lock, drop], count: order as u8 - 2 }
+    }
+
+    /// The derivatives, jerk first.
+    #[must_use]
+    pub fn as_slice(&self) -> &[f64] {
+        &self.values[..usize::from(self.count)]
+    }
+
+    /// The order of the highest derivative, which is constant: 3 for jerk.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        usize::from(self.count) + 2
+    }
+
+    pub(crate) fn mirrored(self) -> Self {
+        Self { values: self.values.map(|value| 0.0 - value), ..self }
+    }
+
+    /// Horner's scheme for all four words at once, highest derivative first, in this order and without fused multiply-add:
+    ///
+    /// ```text
+    /// p(t) = p + t·(v + t/2·(a + t/3·(j + t/4·(…))))      v(t) = v + t·(a + t/2·(j + t/3·(…)))      …
+    /// ```
+    // Apart, so that the S-curve's few operations stay small where they are inlined.
+    #[inline(never)]
+    pub(crate) fn setpoint(&self, start: &State, t: f64) -> Setpoint {
+        let (jerk, above) = (self.values[0], &self.as_slice()[1..]);
+        // What each word gets from above jerk, already times t.
+        let (mut position, mut velocity, mut acceleration, mut change) = (0.0, 0.0, 0.0, 0.0);
+        for (index, &value) in above.iter().enumerate().rev() {
+            position = t * RECIPROCAL[index + 4] * (value + position);
+            velocity = t * RECIPROCAL[index + 3] * (value + velocity);
+            acceleration = t * RECIPROCAL[index + 2] * (value + acceleration);
+            change = t * RECIPROCAL[index + 1] * (value + change);
+        }
+        let (half, third) = (t * RECIPROCAL[2], t * RECIPROCAL[3]);
+        let state = State {
+            position: start.position
+                + t * (start.velocity + half * (start.acceleration + third * (jerk + position))),
+            velocity: start.velocity + t * (start.acceleration + half * (jerk + velocity)),
+            acceleration: start.acceleration + t * (jerk + acceleration),
+        };
+        Setpoint { state, jerk: jerk + change }
+    }
+
+    /// Snap and the derivatives above it at `t`, as many as `all` has room for.
+    pub(crate) fn higher(&self, t: f64, all: &mut [f64]) {
+        for (value, order) in all.iter_mut().zip(4..=self.order()) {
+            *value = taylor(&self.values[order - 3..usize::from(self.count)], t);
+        }
+    }
+
+    /// The zeros of the derivative of `order` inside a piece of length `duration`, in order, given those of the next one:
+    /// between these it is monotone.
+    pub(crate) fn zeros(
+        &self,
+        start: &State,
+        order: usize,
+        duration: f64,
+        of_next: &[f64],
+    ) -> ArrayVec<f64, MAX_ORDER> {
+        let mut values = [0.0; MAX_ORDER + 1];
+        values[..3].copy_from_slice(&[start.position, start.velocity, start.acceleration]);
+        values[3..].copy_from_slice(&self.values);
+        let values = &values[order..=self.order()];
+        let mut zeros = ArrayVec::new();
+        let inside = |t: &f64| *t > 0.0 && *t < duration;
+        match *values {
+            [b, a] => zeros.extend(linear(a, b).into_iter().filter(inside)),
+            [c, b, a] => {
+                zeros.extend(quadratic(0.5 * a, b, c).into_iter().filter(inside));
+                zeros.sort_unstable_by(f64::total_cmp);
+            }
+            _ => {
+                let value_and_slope = |t| (taylor(values, t), taylor(&values[1..], t));
+                let mut from = 0.0;
+                for to in of_next.iter().copied().chain([duration]) {
+                    zeros.extend(sign_change(from, to, value_and_slope).filter(inside));
+                    from = to;
+                }
+            }
+        }
+        zeros
+    }
+}
+
+/// `values[0] + t·(values[1] + t/2·(values[2] + …))`.
+fn taylor(values: &[f64], t: f64) -> f64 {
+    let Some((last, rest)) = values.split_last() else { return 0.0 };
+    rest.iter()
+        .enumerate()
+        .rev()
+        .fold(*last, |above, (index, &value)| value + t * RECIPROCAL[index + 1] * above)
+}

@@ -1,0 +1,486 @@
+//! The symmetric profile of order n from rest to rest: Nguyen, Ng and Chen (2008), section 3, in the closed recursion of
+//! `notes/0006-n-th-order-and-trigonometric.md`.
+//!
+//! The velocity is a rectangle of time that n − 1 further rectangles have been averaged over, one after the other, each at
+//! least as long as all before it together. So one length per derivative says everything: `F₁ ≤ F₂ ≤ … ≤ Fₙ`, with
+//!
+//! ```text
+//! peak of derivative k  =  Xₙ·F₁·F₂·…·Fₙ₋ₖ        distance = Xₙ·F₁·…·Fₙ        total = F₁ + … + Fₙ
+//! ```
+//!
+//! and `T_p = Fₙ₊₁₋ₚ − (the F before it) ≥ 0` is how long derivative `p` stays at its peak.
+
+use alloc::vec::Vec;
+
+use arrayvec::ArrayVec;
+
+use crate::classify::Classification;
+use crate::derivatives::RECIPROCAL;
+use crate::error::{Field, InvalidFields, Why};
+use crate::float::{least, sqrt};
+use crate::roots::fall_to_root;
+use crate::solve::{Adjustment, feed_rate_above_limit};
+use crate::{Derivatives, Law, Limits, MAX_ORDER, Problem, Profile, Segment, State};
+
+/// Of a length of time \[1\], for each order: a hold shorter than this is rounding. The recursion is worth about one ε a
+/// level.
+const SNAP: f64 = 2.0 * f64::EPSILON;
+
+/// Scaled limits of order k stop at 2^(64·k): one that is reached within 2⁻⁶⁴ of the time of the move holds nothing back, and so
+/// the numbers stay far enough inside their range for what the recursion multiplies.
+const GREATEST_EXPONENT: i32 = 64;
+
+/// The pieces before the cruise of the longest template.
+const MAX_HALF: usize = (1 << (MAX_ORDER - 1)) - 1;
+
+/// The answer to a [`Problem`] by the symmetric profile of order n: how long each derivative is held, on the stack.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolynomialMove {
+    order: usize,
+    start: State,
+    reached: State,
+    direction: f64,
+    /// `T₁ … Tₙ`.
+    holds: [f64; MAX_ORDER],
+    /// `F₁ … Fₙ`.
+    boxes: [f64; MAX_ORDER],
+    /// Distance, then the peak of each derivative up to n.
+    peaks: [f64; MAX_ORDER + 1],
+    adjustments: ArrayVec<Adjustment, 1>,
+    classification: Classification,
+}
+
+impl PolynomialMove {
+    /// The order n: its highest bounded derivative, constant in pieces.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.order
+    }
+
+    /// How long each derivative stays at its peak at a time \[s\]: velocity, acceleration … up to n; 0 where it does not reach
+    /// its limit for a while.
+    #[must_use]
+    pub fn holds(&self) -> &[f64] {
+        &self.holds[..self.order]
+    }
+
+    /// The lengths of the rectangles that the motion is made of \[s\], the shortest first: the time in which the derivative
+    /// n − 1, n − 2 … comes to its peak, when the one above it is already there.
+    #[must_use]
+    pub fn boxes(&self) -> &[f64] {
+        &self.boxes[..self.order]
+    }
+
+    /// What is reached, as magnitudes: the distance [axis units], then the peak of each derivative [/s, /s² …] up to n.
+    #[must_use]
+    pub fn peaks(&self) -> &[f64] {
+        &self.peaks[..=self.order]
+    }
+
+    /// How long the motion lasts \[s\].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.boxes().iter().fold(0.0, |total, length| total + length)
+    }
+
+    /// The state at the end: the goal.
+    #[must_use]
+    pub fn reached(&self) -> State {
+        self.reached
+    }
+
+    /// What is not as asked; empty where everything is.
+    #[must_use]
+    pub fn adjustments(&self) -> &[Adjustment] {
+        &self.adjustments
+    }
+
+    /// The shape's names in the papers.
+    #[must_use]
+    pub fn classification(&self) -> Classification {
+        self.classification
+    }
+
+    /// The motion as a profile: at most 2ⁿ − 1 pieces, fewer where derivatives do not reach their limits.
+    #[must_use]
+    pub fn to_profile(&self) -> Profile {
+        let segments = match self.order {
+            2 => self.lay::<2>(),
+            3 => self.lay::<3>(),
+            4 => self.lay::<4>(),
+            5 => self.lay::<5>(),
+            6 => self.lay::<6>(),
+            7 => self.lay::<7>(),
+            _ => self.lay::<MAX_ORDER>(),
+        };
+        Profile::new(segments, self.reached)
+    }
+}
+
+/// The fastest symmetric profile of `order` from rest to rest: 2ⁿ − 1 pieces in which the derivative n is at its limit, at
+/// minus its limit, or zero.
+///
+/// Time-optimal for orders 2 and 3. From order 4 on it is optimal within this family, the one of the literature; a profile
+/// without its symmetry can be shorter, at the price of arbitrarily many switches. How much shorter, by linear programmes
+/// that were solved for this project (240 to 900 intervals; the distance, then the limits of velocity, acceleration …):
+///
+/// | order | distance; limits | this family \[s\] | least \[s\] | gap |
+/// |---|---|---|---|---|
+/// | 3 | 5; 1, 0.6, 1 | 7.2667 | 7.2667 | 0 % |
+/// | 4 | 3; 0.5, 0.4, 0.5, 1 | 8.5616 | 8.5597 | 0.02 % |
+/// | 4 | 0.05; 0.3, 0.25, 0.4, 1 | 2.2494 | 2.0944 | 7.4 % |
+/// | 5 | 3; 0.5, 0.4, 0.5, 0.6, 1 | 10.0000 | 9.7303 | 2.8 % |
+/// | 5 | 1; only the fifth | 6.9644 | 5.7239 | 21.7 % |
+/// | 6 | 3; 0.5, 0.4, 0.5, 0.6, 0.7, 1 | 12.1047 | 10.9658 | 10.4 % |
+/// | 6 | 1; only the sixth | 10.0794 | 7.0509 | 43 % |
+///
+/// The family treats speeding up and slowing down alike: where the limits differ, it keeps to the smaller one for both.
+///
+/// ```
+/// use planner::{Limits, LimitsSpec, Problem, ShortPathPolicy, State, plan_polynomial};
+///
+/// // 50 mm at 60 mm/s, 600 mm/s², 12 000 mm/s³, 480 000 mm/s⁴.
+/// let limits = Limits::try_from(LimitsSpec {
+///     max_velocity: 60.0,
+///     max_acceleration: 600.0,
+///     max_jerk: 12e3,
+///     max_snap: Some(480e3),
+///     ..LimitsSpec::default()
+/// })?;
+/// let problem = Problem::new(State::at_rest(0.0), State::at_rest(50.0), limits, ShortPathPolicy::Reject)?;
+/// let planned = plan_polynomial(&problem, 4)?;
+/// assert!((planned.duration() - 1.008_333_333_333_333_3).abs() < 1e-15);
+/// assert_eq!(planned.to_profile().segments().len(), 15);
+/// # Ok::<(), planner::InvalidFields>(())
+/// ```
+///
+/// # Errors
+/// [`Why::OrderUnsupported`] outside 2 to [`MAX_ORDER`]; [`Why::LimitMissing`] where the order needs a limit that is not
+/// stated; [`Why::NotAtRest`] for a start or a goal in motion.
+pub fn plan_polynomial(problem: &Problem, order: u32) -> Result<PolynomialMove, InvalidFields> {
+    let (limits, goal) = (problem.limits(), problem.goal());
+    let order = order as usize;
+    let fits = unsupported(order).is_none()
+        && (4..=order).all(|above| limits.higher(above).is_some())
+        && problem.start().is_at_rest()
+        && goal.is_at_rest();
+    if !fits {
+        return Err(refusal(problem, order));
+    }
+    let direction = problem.direction();
+    let mut given = [0.0; MAX_ORDER + 1];
+    given[0] = problem.distance().abs();
+    given[1] = limits.cruise_towards(direction);
+    given[2] = least(limits.acceleration(), limits.deceleration());
+    given[3] = limits.jerk();
+    for (above, limit) in given.iter_mut().enumerate().skip(4) {
+        *limit = limits.higher(above).unwrap_or_default();
+    }
+    let solution = if given[0] > 0.0 { Solution::of(&given[..=order]) } else { Solution::NOTHING };
+    let Solution { holds, boxes, peaks } = solution;
+    let (start, reached) = (problem.start(), goal);
+    let adjustments = feed_rate_above_limit(limits, direction).into_iter().collect();
+    let classification = Classification { feed_rate: peaks[1], ..Classification::default() };
+    Ok(PolynomialMove { order, start, reached, direction, holds, boxes, peaks, adjustments, classification })
+}
+
+/// Everything that keeps a problem from having a polynomial of `order`.
+#[cold]
+fn refusal(problem: &Problem, order: usize) -> InvalidFields {
+    let mut invalid = InvalidFields::default();
+    invalid.note("order", unsupported(order));
+    invalid.extend_within(&Field::named("limits"), missing_limits(problem.limits(), order));
+    note_motion(&mut invalid, "POLYNOMIAL", [("start", &problem.start()), ("goal", &problem.goal())]);
+    invalid
+}
+
+/// What is wrong with an order; nothing if there are polynomials of it.
+pub(crate) fn unsupported(order: usize) -> Option<Why> {
+    (!(2..=MAX_ORDER).contains(&order)).then_some(Why::OrderUnsupported { given: order })
+}
+
+/// The limits that a polynomial of `order` needs and that are not stated.
+pub(crate) fn missing_limits(limits: &Limits, order: usize) -> InvalidFields {
+    let mut invalid = InvalidFields::default();
+    let lower = (4..=order).find(|&above| limits.higher(above).is_none()).map_or(order, |first| first - 1);
+    let missing = |from: usize, to: usize| {
+        let needed = (from..=order.min(to)).any(|above| limits.higher(above).is_none());
+        needed.then_some(Why::LimitMissing { order, lower })
+    };
+    if order <= MAX_ORDER {
+        invalid.note("max_snap", missing(4, 4));
+        invalid.note("max_higher_derivatives", missing(5, MAX_ORDER));
+    }
+    invalid
+}
+
+/// Reports every part of an end that is not at rest, for a family that needs it.
+pub(crate) fn note_motion(invalid: &mut InvalidFields, family: &'static str, ends: [(&str, &State); 2]) {
+    for (end, state) in ends {
+        for (part, given) in [("velocity", state.velocity), ("acceleration", state.acceleration)] {
+            if given != 0.0 && given.is_finite() {
+                let field = Field::named(part).within(&Field::named(end));
+                invalid.note(field.as_str(), Some(Why::NotAtRest { given, family }));
+            }
+        }
+    }
+}
+
+/// The lengths of time of a move, and what it reaches.
+#[derive(Clone, Copy, Debug)]
+struct Solution {
+    holds: [f64; MAX_ORDER],
+    boxes: [f64; MAX_ORDER],
+    peaks: [f64; MAX_ORDER + 1],
+}
+
+impl Solution {
+    const NOTHING: Self =
+        Self { holds: [0.0; MAX_ORDER], boxes: [0.0; MAX_ORDER], peaks: [0.0; MAX_ORDER + 1] };
+
+    /// For a distance > 0 and the limits of the derivatives 1 to n.
+    ///
+    /// Solved in units of length and time that are powers of two, so that no digit changes: the distance is then about 1, and so
+    /// is the time that the limit which binds most needs for it.
+    fn of(given: &[f64]) -> Self {
+        let mut parts = [(0.0, 0); MAX_ORDER + 1];
+        for (part, &value) in parts.iter_mut().zip(given) {
+            *part = split(value);
+        }
+        let length = parts[0].1;
+        let time = (1..given.len()).map(|order| quotient_up(length - parts[order].1, order));
+        let time = time.fold(i32::MIN, i32::max);
+        // Of the derivative `order`: a power of two.
+        let unit = |order: usize| length - order as i32 * time;
+        let mut scaled = [0.0; MAX_ORDER + 1];
+        for (order, (value, &(mantissa, exponent))) in
+            scaled.iter_mut().zip(&parts[..given.len()]).enumerate()
+        {
+            let greatest = GREATEST_EXPONENT * order as i32;
+            *value = mantissa * power_of_two((exponent - unit(order)).min(greatest));
+        }
+        let mut solution = Self::scaled(&scaled[..given.len()]);
+        let second = power_of_two(time);
+        for value in solution.holds.iter_mut().chain(&mut solution.boxes) {
+            *value *= second;
+        }
+        for (order, peak) in solution.peaks[..given.len()].iter_mut().enumerate() {
+            *peak *= power_of_two(unit(order));
+        }
+        solution
+    }
+
+    /// The recursion: the shortest length first, each the longest that the distance and every limit allow while all longer
+    /// ones are as short as they can be, that is, the sum of those before.
+    fn scaled(given: &[f64]) -> Self {
+        let order = given.len() - 1;
+        let mut solution = Self::NOTHING;
+        solution.peaks[order] = given[order];
+        // The peak of the derivative that has just got its length, and the sum of the lengths so far.
+        let (mut peak, mut sum) = (given[order], 0.0);
+        for level in (0..order).rev() {
+            // `limits[r]` is that of the derivative which has r more lengths to go.
+            let length =
+                if sum == 0.0 { first_length(given, peak) } else { next_length(&given[..=level], peak, sum) };
+            let hold = length - sum;
+            let hold = if hold > SNAP * order as f64 * length { hold } else { 0.0 };
+            let length = sum + hold;
+            solution.holds[level] = hold;
+            solution.boxes[order - 1 - level] = length;
+            peak *= length;
+            sum += length;
+            solution.peaks[level] = peak;
+        }
+        solution
+    }
+}
+
+/// 2^(−r·(r − 1)/2): the inverse of what the lengths multiply to when each is the sum of those before it.
+const HALVINGS: [f64; MAX_ORDER] =
+    [1.0, 1.0, 0.5, 0.125, 0.015_625, 9.765_625e-4, 3.051_757_812_5e-5, 4.768_371_582_031_25e-7];
+
+/// The first length: the least `y` of `y^(r+1) = C` over the distance and all limits.
+///
+/// The exponents tell beforehand which is likely to be least, so that mostly one root is taken.
+fn first_length(given: &[f64], peak: f64) -> f64 {
+    let order = given.len() - 1;
+    let unit = 1.0 / peak;
+    let target = |r: usize| given[order - 1 - r] * HALVINGS[r] * unit;
+    let mut likely = 0;
+    let mut least_log = f64::MAX;
+    for r in 0..order {
+        let log = log2(target(r)) * RECIPROCAL[r + 1];
+        if log < least_log {
+            (likely, least_log) = (r, log);
+        }
+    }
+    let mut length = root(target(likely), likely + 1);
+    for r in 0..order {
+        if r != likely && power(length, r + 1) > target(r) {
+            length = least(length, root(target(r), r + 1));
+        }
+    }
+    length
+}
+
+/// A later length: the least `y` of `y·(sum + y)^r = C`, and no less than `sum`.
+fn next_length(limits: &[f64], peak: f64, sum: f64) -> f64 {
+    let last = limits.len() - 1;
+    let unit = 1.0 / peak;
+    let mut length = limits[last] / peak;
+    for r in 1..=last {
+        let target = limits[last - r] * HALVINGS[r] * unit;
+        if length <= sum || sum * power(2.0 * sum, r) >= target {
+            return sum;
+        }
+        if length * power(sum + length, r) <= target {
+            continue;
+        }
+        length = if r == 1 {
+            2.0 * target / (sum + sqrt(sum * sum + 4.0 * target))
+        } else {
+            let bound = least(least(length, target / power(sum, r)), rough_root(target, r + 1));
+            fall_to_root(bound, |y| {
+                let (base, below) = (sum + y, power(sum + y, r - 1));
+                (y * below * base - target, below * (base + r as f64 * y))
+            })
+        };
+    }
+    length
+}
+
+/// The k-th root.
+fn root(x: f64, k: usize) -> f64 {
+    match k {
+        1 => x,
+        2 => sqrt(x),
+        3 => libm::cbrt(x),
+        4 => sqrt(sqrt(x)),
+        _ => fall_to_root(rough_root(x, k), |y| {
+            let below = power(y, k - 1);
+            (below * y - x, k as f64 * below)
+        }),
+    }
+}
+
+/// A little more than the k-th root, k ≥ 2: at most 13 % more. The bits of a number, read as an integer, grow as its logarithm
+/// does, but for 0.086 between two powers of two.
+fn rough_root(x: f64, k: usize) -> f64 {
+    let bits = 1.0f64.to_bits() as i64 + (log2(x) * RECIPROCAL[k]) as i64;
+    1.0625 * f64::from_bits(bits as u64)
+}
+
+/// About 2⁵²·log₂ of a positive number.
+fn log2(x: f64) -> f64 {
+    (x.to_bits() as i64 - 1.0f64.to_bits() as i64) as f64
+}
+
+fn power(x: f64, k: usize) -> f64 {
+    let mut product = 1.0;
+    for _ in 0..k {
+        product *= x;
+    }
+    product
+}
+
+/// `x` over `k` in 1..=8, rounded up, for |x| up to 2200: by a product, as quotients of integers are slow.
+fn quotient_up(x: i32, k: usize) -> i32 {
+    /// A multiple of 1 to 8, so that what is divided is positive.
+    const SHIFT: i32 = 3360;
+    const PARTS: [i32; MAX_ORDER + 1] = {
+        let mut parts = [0; MAX_ORDER + 1];
+        let mut k = 1;
+        while k <= MAX_ORDER {
+            parts[k] = (1 << 16) / k as i32 + 1;
+            k += 1;
+        }
+        parts
+    };
+    let whole = ((x + SHIFT + k as i32 - 1) * PARTS[k]) >> 16;
+    whole - ((SHIFT * PARTS[k]) >> 16)
+}
+
+/// A positive number as a part in 1..2 and a power of two; in 0.5..1 below the normal numbers.
+fn split(x: f64) -> (f64, i32) {
+    const MANTISSA: u64 = (1 << 52) - 1;
+    let bits = x.to_bits();
+    if x < f64::MIN_POSITIVE {
+        return libm::frexp(x);
+    }
+    (f64::from_bits((bits & MANTISSA) | 1.0f64.to_bits()), (bits >> 52) as i32 - 1023)
+}
+
+/// 2^`exponent`, or the nearest normal number to it.
+fn power_of_two(exponent: i32) -> f64 {
+    let biased = (exponent + 1023).clamp(1, 2046);
+    f64::from_bits((biased as u64) << 52)
+}
+
+impl PolynomialMove {
+    /// Lays the pieces end to end: those up to the cruise forward from the start, and those after it as their mirror image
+    /// from the goal, each relative to its own end, so that both ends are met to the last bit.
+    ///
+    /// Piece k of the template holds derivative p = n − (number of zeros at the end of k in binary). Where a block that raises a
+    /// derivative to its peak ends (of blocks that go + − − + − + + −, as Thue and Morse have it), the derivative and all above it are known and are put there exactly: what a long hold
+    /// multiplies carries no rounding of the short pieces before it.
+    fn lay<const N: usize>(&self) -> Vec<Segment> {
+        let count: usize = (1..=N).filter(|&p| self.holds[p - 1] > 0.0).map(|p| 1 << (p - 1)).sum();
+        let mut segments = Vec::with_capacity(count);
+        let mut after = ArrayVec::<Segment, MAX_HALF>::new();
+        let (from, to) = (self.start.position, self.reached.position);
+        // Signed peaks, and of each hold the powers of its length over the factorials.
+        let peaks = self.peaks.map(|peak| self.direction * peak);
+        let mut powers = [[0.0; MAX_ORDER + 1]; MAX_ORDER + 1];
+        for (powers, hold) in powers[1..].iter_mut().zip(&self.holds[..N]) {
+            let mut power = *hold;
+            for i in 1..=N {
+                powers[i] = power;
+                power *= hold * RECIPROCAL[(i + 1).min(MAX_ORDER)];
+            }
+        }
+        let turned = |block: usize, peak: f64| if block.count_ones() % 2 == 1 { -peak } else { peak };
+        let mut now = [0.0; MAX_ORDER + 1];
+        for k in 1..=1usize << (N - 1) {
+            let p = N - k.trailing_zeros() as usize;
+            now[N] = if p == N { turned(k >> 1, peaks[N]) } else { 0.0 };
+            let duration = self.holds[p - 1];
+            if duration > 0.0 {
+                segments.push(piece(duration, p, from, &now));
+                // What is above p is zero, and adds nothing.
+                let powers = &powers[p];
+                for m in 0..N {
+                    let mut gain = 0.0;
+                    for i in 1..=N - m {
+                        gain += powers[i] * now[m + i];
+                    }
+                    now[m] += gain;
+                }
+            }
+            if p == N {
+                let raised = k.trailing_ones() as usize;
+                now[N - raised + 1..N].fill(0.0);
+                now[N - raised] = turned(k >> raised, peaks[N - raised]);
+            }
+            if duration > 0.0 && p > 1 {
+                let [x, v, a, j, s, c, b, l, d] = now;
+                let back = [0.0 - x, v, 0.0 - a, j, 0.0 - s, c, 0.0 - b, l, 0.0 - d];
+                after.push(piece(duration, p, to, &back));
+            }
+        }
+        segments.extend(after.iter().rev());
+        segments
+    }
+}
+
+/// A piece whose highest derivative is p, from the derivatives at its start; those above p are zero.
+#[inline]
+fn piece(duration: f64, p: usize, origin: f64, now: &[f64; MAX_ORDER + 1]) -> Segment {
+    let [position, velocity, acceleration, jerk, higher @ ..] = *now;
+    let start = State { position: origin + position, velocity, acceleration };
+    let law = match p {
+        ..=2 => Law::ConstantJerk(0.0),
+        3 => Law::ConstantJerk(jerk),
+        _ => Law::Polynomial(Derivatives::up_to(p, jerk, higher)),
+    };
+    Segment { duration, start, law }
+}

@@ -1,0 +1,124 @@
+//! The S-curve whose rectangles of jerk are raised cosines, from rest to rest: Nguyen, Ng and Chen (2008), section 5.
+//!
+//! The mean jerk of a pulse is half its peak, and each pulse is even about its middle. So durations, peaks and distance are
+//! exactly those of the third-order profile with half the jerk limit, in all its shapes
+//! (`notes/0006-n-th-order-and-trigonometric.md`).
+
+use core::f64::consts::TAU;
+
+use arrayvec::ArrayVec;
+
+use crate::classify::Classification;
+use crate::error::InvalidFields;
+use crate::float::{largest, least, sqrt};
+use crate::polynomial::note_motion;
+use crate::solve::{MAX_PIECES, Move, Piece, feed_rate_above_limit};
+use crate::{Problem, State};
+
+/// The move from rest to rest whose jerk is made of raised cosines, and never jumps.
+///
+/// ```text
+/// jerk │  ╭╮                      ╭╮
+///      │ ╱  ╲___  _________  ___╱  ╲       pulse, hold, pulse, cruise, pulse, hold, pulse
+///      │        ╲╱         ╲╱
+/// ```
+/// The fastest of its shape. Where all limits are reached it takes `s/v + v/a + 2a/j`: `a/j` longer than the S-curve.
+///
+/// The shape treats speeding up and slowing down alike: where the limits differ, it keeps to the smaller one for both.
+///
+/// ```
+/// use planner::{Limits, Problem, ShortPathPolicy, State, plan_trigonometric};
+///
+/// let limits = Limits::symmetric(60.0, 600.0, 12e3)?;
+/// let problem = Problem::new(State::at_rest(0.0), State::at_rest(50.0), limits, ShortPathPolicy::Reject)?;
+/// let planned = plan_trigonometric(&problem)?;
+/// assert!((planned.duration() - 1.033_333_333_333_333_3).abs() < 1e-15);
+/// # Ok::<(), planner::InvalidFields>(())
+/// ```
+///
+/// # Errors
+/// [`Why::NotAtRest`](crate::Why::NotAtRest) for a start or a goal in motion.
+pub fn plan_trigonometric(problem: &Problem) -> Result<Move, InvalidFields> {
+    let (start, goal, limits) = (problem.start(), problem.goal(), problem.limits());
+    if !(start.is_at_rest() && goal.is_at_rest()) {
+        let mut invalid = InvalidFields::default();
+        note_motion(&mut invalid, "TRIGONOMETRIC", [("start", &start), ("goal", &goal)]);
+        return Err(invalid);
+    }
+    let direction = problem.direction();
+    let peak = limits.jerk();
+    let mut planned = Move::of_cosines(goal, feed_rate_above_limit(limits, direction));
+    let distance = problem.distance().abs();
+    if distance > 0.0 {
+        let acceleration = least(limits.acceleration(), limits.deceleration());
+        let times = Times::of(distance, limits.cruise_towards(direction), acceleration, 0.5 * peak);
+        let top = 0.5 * peak * times.pulse * (times.pulse + times.hold);
+        planned.classify(Classification { feed_rate: top, ..Classification::default() });
+        lay(planned.pieces(), &times, start.position, goal.position, direction * peak);
+    }
+    Ok(planned)
+}
+
+/// How long a pulse lasts, how long the acceleration is held, how long the velocity \[s\].
+#[derive(Clone, Copy, Debug)]
+struct Times {
+    pulse: f64,
+    hold: f64,
+    cruise: f64,
+}
+
+impl Times {
+    /// The third-order profile from rest to rest at the mean jerk: Blejan and Blejan (2020) without their six cases. The
+    /// first length is the least that a limit or the distance allows, the second the least beyond that, and the third is left.
+    fn of(distance: f64, velocity: f64, acceleration: f64, jerk: f64) -> Self {
+        let mut pulse = acceleration / jerk;
+        if jerk * pulse * pulse > velocity {
+            pulse = sqrt(velocity / jerk);
+        }
+        if 2.0 * jerk * pulse * pulse * pulse >= distance {
+            let pulse = libm::cbrt(0.5 * distance / jerk);
+            return Self { pulse, hold: 0.0, cruise: 0.0 };
+        }
+        let rate = jerk * pulse;
+        let area = distance / rate;
+        let reach = velocity / rate;
+        // Cruises, or comes to the distance first: `ramp·(pulse + ramp) = area`.
+        if reach * (pulse + reach) <= area {
+            let ramp = largest(pulse, reach);
+            let cruise = largest(0.0, area / ramp - (pulse + ramp));
+            return Self { pulse, hold: ramp - pulse, cruise };
+        }
+        let ramp = largest(pulse, 2.0 * area / (pulse + sqrt(pulse * pulse + 4.0 * area)));
+        Self { pulse, hold: ramp - pulse, cruise: 0.0 }
+    }
+}
+
+/// Lays the pieces end to end, those after the cruise as the mirror image of those before it, from the goal.
+fn lay(pieces: &mut ArrayVec<Piece, MAX_PIECES>, times: &Times, from: f64, to: f64, peak: f64) {
+    let Times { pulse, hold, cruise } = *times;
+    let half = 0.5 * peak;
+    // What one pulse from rest gains, and what the second one loses of that: its middle is a centre of symmetry.
+    let acceleration = half * pulse;
+    let rise = 0.5 * acceleration * pulse;
+    let rest = 1.0 / 6.0 - 1.0 / (TAU * TAU);
+    let way = acceleration * pulse * pulse * rest;
+    let second = State { position: way, velocity: rise, acceleration };
+    let third = second.after(0.0, hold);
+    let top = acceleration * (pulse + hold);
+    let end = third.position + pulse * (third.velocity + pulse * acceleration * 0.5) - way;
+
+    let mut lay = |duration: f64, position: f64, velocity: f64, acceleration: f64, jerk: f64| {
+        if duration > 0.0 {
+            let acceleration = acceleration + 0.0;
+            pieces.push(Piece { duration, start: State { position, velocity, acceleration }, jerk });
+        }
+    };
+    let (up, down, still) = (peak, -peak, 0.0);
+    lay(pulse, from, 0.0, 0.0, up);
+    lay(hold, from + second.position, second.velocity, acceleration, still);
+    lay(pulse, from + third.position, third.velocity, acceleration, down);
+    lay(cruise, from + end, top, 0.0, still);
+    lay(pulse, to - end, top, 0.0, down);
+    lay(hold, to - third.position, third.velocity, -acceleration, still);
+    lay(pulse, to - second.position, second.velocity, -acceleration, up);
+}

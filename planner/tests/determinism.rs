@@ -1,0 +1,61 @@
+//! The bits that plans sample to, pinned: replicas on every platform give these, with and without `std`. A change of one of them
+//! is a new [`planner::EVALUATION_VERSION`].
+
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+mod common;
+
+use common::polynomial_problem;
+use planner::{Profile, plan_move, plan_polynomial, plan_trigonometric};
+
+/// The hash of Fowler, Noll and Vo over the words of a thousand setpoints and of every piece.
+fn hash(profile: &Profile) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325u64;
+    let mut see = |words: [f64; 4]| {
+        for byte in words.into_iter().flat_map(|word| word.to_bits().to_le_bytes()) {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    };
+    for segment in profile.segments() {
+        let start = segment.start;
+        see([segment.duration, start.position, start.velocity, start.acceleration]);
+    }
+    for number in 0..=1000 {
+        see(profile.at(profile.duration() * f64::from(number) / 1000.0).words());
+    }
+    hash
+}
+
+const LIMITS: [f64; 8] = [0.5, 2.0, 20.0, 400.0, 9e3, 3e5, 1e7, 4e8];
+
+#[test]
+fn plans_sample_to_these_bits() {
+    let mut found = Vec::new();
+    for distance in [0.425, -0.01] {
+        let problem = polynomial_problem(0.1, 0.1 + distance, &LIMITS);
+        found.push(hash(&plan_move(&problem).unwrap().to_profile()));
+        found.push(hash(&plan_trigonometric(&problem).unwrap().to_profile()));
+        found.extend((2..=8).map(|order| hash(&plan_polynomial(&problem, order).unwrap().to_profile())));
+    }
+    let expected: [u64; 18] = [
+        0x5220_d0a2_0818_e2e2,
+        0xff12_ad42_6b40_db5e,
+        0x1631_4537_6043_59b1,
+        0x7f88_7509_3af5_88e4,
+        0xf060_15de_2467_c889,
+        0x8687_c58f_06df_10de,
+        0xb95b_781d_05b7_ede6,
+        0x3640_32ed_ba3c_df90,
+        0xea27_02df_5bb3_f3ac,
+        0xdbe8_59fc_0b7c_d2c4,
+        0xcbbd_ea43_745c_f6f2,
+        0xdced_c9fd_fcdf_b265,
+        0xdbe8_59fc_0b7c_d2c4,
+        0x109d_e644_c7ed_d954,
+        0x9f88_2aec_1e29_f25f,
+        0xab3f_992e_b112_845f,
+        0x7926_d253_1191_0091,
+        0x2278_f7f5_753e_ac2d,
+    ];
+    assert_eq!(found, expected, "{found:#018x?}");
+}

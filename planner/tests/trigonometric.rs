@@ -1,0 +1,78 @@
+//! Nguyen, Ng and Chen (2008), the trigonometric model: a hundred moves solved at 60 digits.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+mod common;
+
+use common::polynomial_problem;
+use planner::{Law, plan_trigonometric};
+use serde::Deserialize;
+
+/// Of the total duration [1].
+const DURATION: f64 = 1e-12;
+/// Of the distance [1].
+const POSITION: f64 = 1e-13;
+/// Of the limit, or of the peak speed [1].
+const DERIVATIVE: f64 = 1e-11;
+
+#[derive(Deserialize)]
+struct Record {
+    id: u32,
+    s: f64,
+    v_max: f64,
+    a_max: f64,
+    j_peak: f64,
+    #[serde(rename = "T")]
+    durations: [f64; 7],
+    total: f64,
+    a_peak: f64,
+    v_peak: f64,
+    samples: Vec<[f64; 5]>,
+}
+
+#[track_caller]
+fn close(name: &str, ours: f64, expected: f64, tolerance: f64) {
+    let off = (ours - expected).abs();
+    assert!(off <= tolerance, "{name}: {ours} is {off:e} from {expected}, allowed {tolerance:e}");
+}
+
+fn check(record: &Record, direction: f64) {
+    let Record { id, s, v_max, a_max, j_peak, durations, total, a_peak, v_peak, samples } = record;
+    let problem = polynomial_problem(0.0, direction * s, &[*v_max, *a_max, *j_peak]);
+    let planned = plan_trigonometric(&problem).unwrap();
+    let name = format!("record {id}");
+    close(&name, planned.duration(), *total, DURATION * total);
+    close(&name, planned.classification().feed_rate, *v_peak, DERIVATIVE * v_peak);
+    let ours: Vec<f64> =
+        planned.segments().iter().map(|piece| piece.duration).filter(|&t| t > DURATION * total).collect();
+    let expected: Vec<f64> = durations.iter().copied().filter(|&t| t > DURATION * total).collect();
+    assert_eq!(ours.len(), expected.len(), "{name}: {ours:?} {expected:?}");
+    for (ours, expected) in ours.iter().zip(&expected) {
+        close(&name, *ours, *expected, DURATION * total);
+    }
+    let first = planned.segments()[0];
+    assert_eq!(first.law, Law::CosineJerk { peak: direction * j_peak });
+    close(&name, first.end().acceleration, direction * a_peak, DERIVATIVE * a_peak);
+    for &[t, x, v, a, j] in samples {
+        let ours = planned.at(t);
+        // A rounding of the time is worth as much as the next derivative.
+        let late = 4.0 * f64::EPSILON * t;
+        let snap = std::f64::consts::PI * j_peak / durations[0];
+        close(&name, ours.state.position, direction * x, POSITION * s + late * v_peak);
+        close(&name, ours.state.velocity, direction * v, DERIVATIVE * v_peak + late * a_peak);
+        close(&name, ours.state.acceleration, direction * a, DERIVATIVE * a_peak + late * j_peak);
+        close(&name, ours.jerk, direction * j, DERIVATIVE * j_peak + late * snap);
+    }
+    let last = planned.segments().last().unwrap().end().position;
+    close(&name, last, direction * s, POSITION * s);
+}
+
+#[test]
+fn moves_solved_at_sixty_digits() {
+    let records: Vec<Record> = serde_json::from_str(include_str!("vectors/trigonometric.json")).unwrap();
+    for record in &records {
+        check(record, 1.0);
+        check(record, -1.0);
+    }
+    assert_eq!(records.len(), 100);
+}
