@@ -36,15 +36,17 @@ pub(super) fn solve(lane: &Lane) -> Shape {
 /// other.
 pub(super) fn acceptable_end(lane: &Lane) -> f64 {
     let nearest = solve(lane).end;
-    let away = if nearest < lane.end { -1.0 } else { 1.0 };
+    // Towards the start speed, but for the lower end of what cannot be reached, which is left towards rest.
+    let bound = if lane.end < lane.start && nearest < lane.end { 0.0 } else { lane.start };
     let mut step = 0.0;
+    #[expect(clippy::float_cmp, reason = "it was set to the bound")]
     loop {
-        let end = largest(0.0, nearest + away * step);
-        // A step of the whole speed has reached the start speed or rest, where there is always a way.
-        if step > lane.start + nearest || !(Lane { end, ..*lane }).is_too_short() {
+        let end = if nearest > bound { largest(bound, nearest - step) } else { least(bound, nearest + step) };
+        // At the bound there is always a way.
+        if end == bound || !(Lane { end, ..*lane }).is_too_short() {
             return end;
         }
-        step = largest(2.0 * step, f64::EPSILON * largest(nearest, f64::MIN_POSITIVE));
+        step = largest(2.0 * step, f64::EPSILON * largest(nearest, bound));
     }
 }
 
