@@ -135,6 +135,14 @@ pub enum Why {
         /// The name.
         name: String,
     },
+    /// A name that nobody would read.
+    #[error("has {given} bytes: a name has at most {allowed}, so shorten it")]
+    NameTooLong {
+        /// Its length \[bytes\].
+        given: usize,
+        /// What a name has at most \[bytes\].
+        allowed: usize,
+    },
     /// A name that no axis of the plan has.
     #[error("no axis is called {name:?}: the plan has {known}")]
     UnknownAxis {

@@ -91,7 +91,7 @@ impl Plan {
             invalid.note("axes", Some(Why::TooManyAxes { given: axes.len(), allowed: crate::MAX_AXES }));
             return Err(invalid);
         }
-        crate::request::note_duplicates(&mut invalid, axes.iter().map(|axis| axis.axis.as_str()));
+        crate::request::note_names(&mut invalid, axes.iter().map(|axis| axis.axis.as_str()));
         let duration = axes.iter().map(|axis| axis.profile.duration()).fold(0.0, f64::max);
         let cycle_count = cycle_time.count(duration);
         if cycle_count.is_none() {

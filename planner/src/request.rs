@@ -7,6 +7,8 @@ use crate::{CycleTime, Limits, LimitsSpec, Problem, ShortPathPolicy, State};
 
 /// The most axes of one plan.
 pub const MAX_AXES: usize = 64;
+/// The longest name of an axis \[bytes\]: it stands many times in a plan.
+pub const MAX_NAME_BYTES: usize = 256;
 
 /// What an axis moves in: says the unit of its positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -225,7 +227,7 @@ fn checked_axes(
         invalid.note("axes", Some(Why::TooManyAxes { given, allowed: MAX_AXES }));
         return Vec::new();
     }
-    note_duplicates(invalid, specs.iter().map(|spec| spec.axis.as_str()));
+    note_names(invalid, specs.iter().map(|spec| spec.axis.as_str()));
     let several = given > 1;
     let mut axes = Vec::with_capacity(given);
     for (index, spec) in specs.into_iter().enumerate() {
@@ -235,10 +237,14 @@ fn checked_axes(
     axes
 }
 
-/// Reports every axis whose name was taken before it.
-pub(crate) fn note_duplicates<'a>(invalid: &mut InvalidFields, names: impl Iterator<Item = &'a str> + Clone) {
+/// Reports every axis whose name is too long, or was taken before it.
+pub(crate) fn note_names<'a>(invalid: &mut InvalidFields, names: impl Iterator<Item = &'a str> + Clone) {
     for (index, name) in names.clone().enumerate() {
-        if names.clone().take(index).any(|before| before == name) {
+        if name.len() > MAX_NAME_BYTES {
+            let field = Field::named("axis").within(&Field::element("axes", index));
+            let why = Why::NameTooLong { given: name.len(), allowed: MAX_NAME_BYTES };
+            invalid.note(field.as_str(), Some(why));
+        } else if names.clone().take(index).any(|before| before == name) {
             let field = Field::named("axis").within(&Field::element("axes", index));
             invalid.note(field.as_str(), Some(Why::DuplicateAxis { name: name.into() }));
         }

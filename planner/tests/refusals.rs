@@ -91,6 +91,10 @@ fn the_words_of_every_reason() {
             "the name \"x\" is taken by an axis before it: give every axis a name of its own",
         ),
         (
+            Why::NameTooLong { given: 300, allowed: 256 },
+            "has 300 bytes: a name has at most 256, so shorten it",
+        ),
+        (
             Why::UnknownAxis { name: "z".into(), known: "x, y".into() },
             "no axis is called \"z\": the plan has x, y",
         ),

@@ -20,6 +20,7 @@ use proto::pb::planner_service_server::PlannerServiceServer;
 use proto::pb::setpoint_service_server::SetpointServiceServer;
 use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
 use tonic::transport::server::TcpIncoming;
 
 pub use config::{Config, ConfigError};
@@ -115,48 +116,66 @@ impl Server {
             .add_service(setpoints);
 
         tracing::info!(%address, "serving");
-        let Leaving { soon, now } = leaving;
-        let told = soon.clone();
-        let drain_then_stop = async move {
-            stop.await;
-            tracing::info!("draining: no new work, streams are told to move over");
-            health.set_not_serving::<PlannerServiceServer<Planner>>().await;
-            health.set_not_serving::<SetpointServiceServer<Setpoints>>().await;
-            told.cancel();
+        let gone = CancellationToken::new();
+        let leave = {
+            let gone = gone.clone();
+            async move {
+                stop.await;
+                tracing::info!("draining: no new streams, those that are open are told to move over");
+                health.set_not_serving::<PlannerServiceServer<Planner>>().await;
+                health.set_not_serving::<SetpointServiceServer<Setpoints>>().await;
+                leaving.leave(config.drain_deadline).await;
+                gone.cancel();
+            }
         };
         let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
-        let serving = router.serve_with_incoming_shutdown(incoming, drain_then_stop);
-        let mut serving = std::pin::pin!(serving);
-        let deadline = async {
-            soon.cancelled().await;
-            #[expect(clippy::disallowed_methods, reason = "the deadline of the drain is a time by itself")]
-            tokio::time::sleep(config.drain_deadline).await;
+        let serving = router.serve_with_incoming_shutdown(incoming, leave);
+        let farewell = async {
+            gone.cancelled().await;
+            #[expect(
+                clippy::disallowed_methods,
+                reason = "who does not close is waited for this long and no longer"
+            )]
+            tokio::time::sleep(FAREWELL).await;
         };
         tokio::select! {
-            served = &mut serving => return Ok(served?),
-            () = deadline => {}
-        }
-        let deadline_s = config.drain_deadline.as_secs_f64();
-        tracing::warn!(deadline_s, "streams are still open at the deadline, leaving");
-        now.cancel();
-        // Long enough to say so; who does not listen is left.
-        if let Ok(served) = tokio::time::timeout(FAREWELL, serving).await {
-            served?;
+            served = serving => served?,
+            () = farewell => {}
         }
         Ok(())
     }
 }
 
-/// How a server leaves: it says so, and later it goes.
+/// How a server leaves: it says so, and later it goes. Meanwhile it answers, so that whoever asks learns that it leaves.
 #[derive(Clone, Debug, Default)]
 struct Leaving {
     /// Streams are told to move over, and no new ones begin.
     soon: CancellationToken,
     /// The deadline has passed: what is still open ends.
     now: CancellationToken,
+    /// What is open.
+    streams: TaskTracker,
 }
 
-/// How long it may take to tell streams that they end at the deadline.
+impl Leaving {
+    /// Completes when every stream has ended, or a while after the deadline.
+    async fn leave(self, deadline: Duration) {
+        self.soon.cancel();
+        self.streams.close();
+        if tokio::time::timeout(deadline, self.streams.wait()).await.is_ok() {
+            return;
+        }
+        tracing::warn!(
+            deadline_s = deadline.as_secs_f64(),
+            "streams are still open at the deadline, leaving"
+        );
+        self.now.cancel();
+        // Long enough to say so; who does not listen is left.
+        let _ = tokio::time::timeout(FAREWELL, self.streams.wait()).await;
+    }
+}
+
+/// How long it may take to tell streams that they end at the deadline, and connections that they are closed.
 const FAREWELL: Duration = Duration::from_millis(500);
 
 /// How often a silent connection is asked whether it is still there, and how long it may take to answer: half-open

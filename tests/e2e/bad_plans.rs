@@ -64,6 +64,13 @@ fn rows() -> Vec<Row> {
             Reason::DuplicateAxis,
             "axes[1].axis",
         ),
+        (
+            "a name of ten thousand letters",
+            spoiled(|r| axis(r).axis = "x".repeat(10_000)),
+            ResourceExhausted,
+            Reason::MessageTooLarge,
+            "axes[0].axis",
+        ),
         ("no kind", spoiled(|r| axis(r).kind = 0), InvalidArgument, Reason::KindUnspecified, "axes[0].kind"),
         (
             "a kind of later",

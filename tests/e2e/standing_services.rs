@@ -19,6 +19,30 @@ async fn each_service_has_its_health() {
     }
 }
 
+/// Whoever routes by health learns that a server leaves while its streams are still open.
+#[tokio::test]
+async fn a_server_that_leaves_says_so_until_it_has_left() {
+    let mut server = Loopback::start().await;
+    let client = server.client().await;
+    let plan = e2e::planned(e2e::fifty_millimetres());
+    let mut stream = client::Setpoints::open(&client, e2e::open("x", plan.clone())).await.unwrap();
+    let mut health = HealthClient::new(server.channel().await);
+    server.tell_to_stop();
+    // The server says that it drains at the same time as it tells its streams.
+    while stream.take_events().is_empty() {
+        assert!(stream.next().await.unwrap().is_some(), "the stream ended without being told");
+    }
+    let service = "motion.v1.SetpointService".to_owned();
+    let answer = health.check(HealthCheckRequest { service }).await.unwrap().into_inner();
+    assert_eq!(answer.status(), ServingStatus::NotServing);
+    let refused = client::Setpoints::open(&client, e2e::open("y", plan)).await.map(|_| ());
+    let Err(client::Error::Rejected(rejected)) = refused else { panic!("{refused:?}") };
+    assert_eq!(rejected.reason, proto::Reason::Draining);
+    while stream.next().await.unwrap().is_some() {}
+    drop((stream, client, health));
+    server.stopped().await;
+}
+
 #[tokio::test]
 async fn reflection_lists_the_services() {
     let server = Loopback::start().await;

@@ -50,6 +50,7 @@ fn reason(why: &Why) -> Reason {
         Why::DuplicateAxis { .. } => Reason::DuplicateAxis,
         Why::UnknownAxis { .. } => Reason::UnknownAxis,
         Why::NoAxes => Reason::NoAxes,
+        Why::NameTooLong { .. } => Reason::MessageTooLarge,
         Why::TooManyAxes { .. } => Reason::TooManyAxes,
         Why::TooManySegments { .. } => Reason::TooManySegments,
         Why::TooManyCycles { .. } => Reason::TooManyCycles,

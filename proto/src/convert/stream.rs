@@ -124,6 +124,10 @@ fn open_from_wire(wire: pb::Open) -> Result<Open, Rejected> {
         executed_cycle,
         source,
     } = wire;
+    let (given, allowed) = (stream.len(), planner::MAX_NAME_BYTES);
+    if given > allowed {
+        return Err(of_field("open.stream", Why::NameTooLong { given, allowed }));
+    }
     let plan = match source {
         Some(pb::open::Source::Plan(plan)) => accepted_from_wire("open.plan", Some(plan))?,
         Some(pb::open::Source::Resume(_)) => {

@@ -41,7 +41,8 @@ impl SetpointService for Setpoints {
         }
         let (sender, receiver) = mpsc::channel(AHEAD);
         let Self { streams, served_by, leaving } = self.clone();
-        tokio::spawn(drive::drive(request.into_inner(), sender, streams, served_by, leaving));
+        let open = leaving.streams.clone();
+        open.spawn(drive::drive(request.into_inner(), sender, streams, served_by, leaving));
         Ok(Response::new(ReceiverStream::new(receiver)))
     }
 
