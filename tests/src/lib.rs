@@ -127,7 +127,7 @@ pub fn fifty_millimetres() -> RequestSpec {
     move_of(0.05, 0.25)
 }
 
-/// A move of `distance` [m] at `velocity` [m/s].
+/// A move of `distance` \[m\] at `velocity` \[m/s\].
 #[must_use]
 pub fn move_of(distance: f64, velocity: f64) -> RequestSpec {
     let limits = LimitsSpec {
