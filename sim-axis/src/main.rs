@@ -1,5 +1,7 @@
 //! `portamento-sim-axis`: settings, then the simulator, then an exit code.
 
+#![allow(rustdoc::broken_intra_doc_links, reason = "units stand in square brackets in help texts")]
+
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
