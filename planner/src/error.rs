@@ -2,6 +2,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 
+use crate::Shortest;
 use crate::limits::{GREATEST_MAGNITUDE, LEAST_LIMIT};
 
 /// Where in a request something is wrong, written as the caller would write it: `axes[2].limits.max_jerk`.
@@ -27,9 +28,6 @@ impl Field {
         if self.0.is_empty() || outer.0.is_empty() {
             return Self(alloc::format!("{}{}", outer.0, self.0));
         }
-        if outer.0.is_empty() {
-            return self.clone();
-        }
         Self(alloc::format!("{}.{}", outer.0, self.0))
     }
 
@@ -51,19 +49,55 @@ impl fmt::Display for Field {
 #[non_exhaustive]
 pub enum Why {
     /// NaN, infinite, or too large to compute with.
-    #[error("is {given}: give a finite number of at most {max:e} in magnitude", max = GREATEST_MAGNITUDE)]
+    #[error(
+        "is {}: give a finite number of at most {max:e} in magnitude",
+        Shortest(*.given),
+        max = GREATEST_MAGNITUDE
+    )]
     NotFinite {
         /// The value.
         given: f64,
     },
     /// A limit that is zero, negative, or too small to compute with.
-    #[error("is {given}: a limit is a magnitude, at least {min:e}; its sign is not needed", min = LEAST_LIMIT)]
+    #[error(
+        "is {}: a limit is a magnitude, at least {min:e}; its sign is not needed",
+        Shortest(*.given),
+        min = LEAST_LIMIT
+    )]
     NotPositive {
         /// The value.
         given: f64,
     },
+    /// A time that does not last.
+    #[error("is {} s: give a time above 0, or leave it out", Shortest(*.given))]
+    DurationNotPositive {
+        /// The value \[s\].
+        given: f64,
+    },
+    /// What a plan says of itself and is not.
+    #[error("says {given}, and should say {correct}: correct it, or plan again")]
+    Misstated {
+        /// What it says.
+        given: String,
+        /// What it is.
+        correct: String,
+    },
+    /// The fingerprint of another plan.
+    #[error(
+        "is {given}, that of another plan; this one has {correct}: plan again, or leave it out where the change is meant"
+    )]
+    FingerprintMismatch {
+        /// The fingerprint \[hexadecimal\].
+        given: String,
+        /// The one that the plan has \[hexadecimal\].
+        correct: String,
+    },
     /// A position range without inside.
-    #[error("the range from {min} to {max} is empty: exchange min_position and max_position")]
+    #[error(
+        "the range from {} to {} is empty: exchange min_position and max_position",
+        Shortest(*.min),
+        Shortest(*.max)
+    )]
     EmptyRange {
         /// The lower end [axis units].
         min: f64,
@@ -122,7 +156,10 @@ pub enum Why {
         lower: usize,
     },
     /// An end in motion, for a family that goes from rest to rest.
-    #[error("is {given}: the family {family} goes from rest to rest, so give 0 or choose S_CURVE")]
+    #[error(
+        "is {}: the family {family} goes from rest to rest, so give 0 or choose S_CURVE",
+        Shortest(*.given)
+    )]
     NotAtRest {
         /// The value.
         given: f64,
@@ -171,7 +208,10 @@ pub enum Why {
         allowed: usize,
     },
     /// A motion that lasts longer than cycles can be counted.
-    #[error("lasts {seconds:e} s, more cycles than can be counted: raise the limits or lengthen cycle_time")]
+    #[error(
+        "lasts {} s, more cycles than can be counted: raise the limits or lengthen cycle_time",
+        Shortest(*.seconds)
+    )]
     TooManyCycles {
         /// The duration \[s\].
         seconds: f64,
@@ -201,7 +241,11 @@ pub enum Why {
         instead: &'static str,
     },
     /// A start state that limits do not allow.
-    #[error("is {given}, beyond {allowed}: begin inside the limit or raise {limit}")]
+    #[error(
+        "is {}, beyond {}: begin inside the limit or raise {limit}",
+        Shortest(*.given),
+        Shortest(*.allowed)
+    )]
     StartOutsideLimits {
         /// The value.
         given: f64,
@@ -211,7 +255,11 @@ pub enum Why {
         limit: &'static str,
     },
     /// A goal state that limits do not allow.
-    #[error("is {given}, beyond {allowed}: end inside the limit or raise {limit}")]
+    #[error(
+        "is {}, beyond {}: end inside the limit or raise {limit}",
+        Shortest(*.given),
+        Shortest(*.allowed)
+    )]
     GoalOutsideLimits {
         /// The value.
         given: f64,
@@ -221,7 +269,12 @@ pub enum Why {
         limit: &'static str,
     },
     /// A motion that would leave the position range.
-    #[error("the motion reaches {reached} at {time} s, beyond {allowed}: stay inside or move {limit}")]
+    #[error(
+        "the motion reaches {} at {} s, beyond {}: stay inside or move {limit}",
+        Shortest(*.reached),
+        Shortest(*.time),
+        Shortest(*.allowed)
+    )]
     PositionLimit {
         /// The farthest position [axis units].
         reached: f64,
@@ -234,8 +287,11 @@ pub enum Why {
     },
     /// The way is shorter than the change of velocity needs.
     #[error(
-        "the path of {given} is too short to change from the start to the end velocity, which needs {needed}: \
-         lengthen it, end at a velocity of {nearest_velocity}, or name a short_path_policy"
+        "the path of {} is too short to change from the start to the end velocity, which needs {}: \
+         lengthen it, end at a velocity of {}, or name a short_path_policy",
+        Shortest(*.given),
+        Shortest(*.needed),
+        Shortest(*.nearest_velocity)
     )]
     PathTooShort {
         /// The least length [axis units], with the sign of the travel.

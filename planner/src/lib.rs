@@ -102,6 +102,7 @@ mod request;
 mod roots;
 mod segment;
 mod short_path;
+mod shortest;
 mod solve;
 mod state;
 mod trigonometric;
@@ -124,6 +125,7 @@ pub use request::{
 };
 pub use segment::{Law, MAX_TURNING_POINTS, Segment, Setpoint};
 pub use short_path::ShortPathPolicy;
+pub use shortest::Shortest;
 pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_stop, plan_trapezoid};
 pub use state::State;
 pub use trigonometric::plan_trigonometric;

@@ -22,6 +22,14 @@ pub struct Method {
     pub end_on_cycle: bool,
 }
 
+impl Method {
+    /// The derivatives that a plan made so keeps within limits: all up to its order.
+    #[must_use]
+    pub fn promises(self) -> &'static [Quantity] {
+        Quantity::BY_ORDER.get(1..=self.order as usize).unwrap_or_default()
+    }
+}
+
 /// Who made a plan, and whose arithmetic its setpoints are.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Maker {
@@ -258,7 +266,7 @@ impl Sampler<'_> {
 ///
 /// # Errors
 /// Those of [`plan_move`], [`plan_trapezoid`], [`plan_polynomial`] or [`plan_trigonometric`] for each axis, all at once, with the axis in the
-/// path; more cycles than can be counted.
+/// path; more cycles than can be counted; a minimum duration above that of the plan.
 pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
     let mut invalid = InvalidFields::default();
     let mut axes = Vec::with_capacity(request.axes().len());
@@ -275,8 +283,13 @@ pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
         synchronization: request.synchronization(),
         end_on_cycle: false,
     };
-    let guaranteed = Quantity::BY_ORDER[1..=request.order() as usize].to_vec();
-    Plan::new(method, guaranteed, request.cycle_time(), axes)
+    let plan = Plan::new(method, method.promises().to_vec(), request.cycle_time(), axes)?;
+    if plan.duration < request.minimum_duration() {
+        let what = "a minimum duration above the least that the limits allow";
+        let why = Why::NotImplemented { what, instead: "leave it out: the plan takes the least time" };
+        return Err(InvalidFields::one(Field::named("minimum_duration"), why));
+    }
+    Ok(plan)
 }
 
 fn plan_axis(axis: &AxisMove, request: &Request) -> Result<AxisPlan, InvalidFields> {

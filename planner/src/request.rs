@@ -108,7 +108,7 @@ pub struct RequestSpec {
     pub short_path: Result<ShortPathPolicy, Why>,
     /// How the axes go together.
     pub synchronization: Result<Synchronization, Why>,
-    /// The least duration of the plan \[s\].
+    /// The least duration of the plan \[s\], ≥ 0; `None` and 0 ask nothing.
     pub minimum_duration: Option<f64>,
     /// Stretch to a whole number of cycles?
     pub end_on_cycle: bool,
@@ -134,6 +134,7 @@ pub struct Request {
     order: u32,
     short_path: ShortPathPolicy,
     synchronization: Synchronization,
+    minimum_duration: f64,
 }
 
 impl Request {
@@ -172,6 +173,12 @@ impl Request {
     pub fn synchronization(&self) -> Synchronization {
         self.synchronization
     }
+
+    /// The least duration of the plan \[s\]; 0 where nothing is asked.
+    #[must_use]
+    pub fn minimum_duration(&self) -> f64 {
+        self.minimum_duration
+    }
 }
 
 impl TryFrom<RequestSpec> for Request {
@@ -193,7 +200,8 @@ impl TryFrom<RequestSpec> for Request {
         invalid.note("family", family.as_ref().err().cloned());
         let law = Shape { family: *family.as_ref().unwrap_or(&Family::SCurve), order };
         invalid.note("order", law.wrong_order());
-        invalid.note("minimum_duration", minimum_duration.map(minimum_duration_gap));
+        let minimum_duration = minimum_duration.unwrap_or_default();
+        invalid.note("minimum_duration", wrong_duration(minimum_duration));
         invalid.note("end_on_cycle", end_on_cycle.then(end_on_cycle_gap));
         let policy = *short_path.as_ref().unwrap_or(&ShortPathPolicy::Reject);
         invalid.note("short_path_policy", short_path.err());
@@ -205,7 +213,8 @@ impl TryFrom<RequestSpec> for Request {
             Some(cycle_time) if invalid.is_empty() => {
                 let Shape { family, .. } = law;
                 let order = law.order().unwrap_or_default();
-                Ok(Self { axes, cycle_time, family, order, short_path: policy, synchronization: mode })
+                let (short_path, synchronization) = (policy, mode);
+                Ok(Self { axes, cycle_time, family, order, short_path, synchronization, minimum_duration })
             }
             _ => Err(invalid),
         }
@@ -330,9 +339,8 @@ impl Shape {
     }
 }
 
-fn minimum_duration_gap(given: f64) -> Why {
-    let instead = "leave it out: the plan takes the least time";
-    not_finite(given).unwrap_or(Why::NotImplemented { what: "a minimum duration", instead })
+fn wrong_duration(given: f64) -> Option<Why> {
+    not_finite(given).or((given < 0.0).then_some(Why::DurationNotPositive { given }))
 }
 
 fn end_on_cycle_gap() -> Why {

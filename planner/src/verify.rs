@@ -8,7 +8,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::plan::{AxisPlan, Plan};
-use crate::{Family, Law, Limits, MAX_ORDER, Profile, Quantity, Segment, Setpoint, State};
+use crate::{Family, Law, Limits, MAX_ORDER, Profile, Quantity, Segment, Setpoint, Shortest, State};
 
 /// Of a limit \[1\]: what a motion may be beyond it, since its pieces are rounded.
 pub const LIMIT_TOLERANCE: f64 = 1e-9;
@@ -140,15 +140,15 @@ impl core::fmt::Display for Violation {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Limit(LimitCheck { axis, quantity, limit, extremum, at_time, .. }) => {
+                let [extremum, at_time, limit] = [*extremum, *at_time, *limit].map(Shortest);
                 write!(f, "axis {axis}: {quantity} reaches {extremum} at {at_time} s, the limit is {limit}")
             }
             Self::Join(JoinCheck { axis, quantity, worst_jump, allowed, at_time, .. }) => {
-                write!(
-                    f,
-                    "axis {axis}: {quantity} jumps by {worst_jump} at {at_time} s, allowed is {allowed}"
-                )
+                let [jump, at_time, allowed] = [*worst_jump, *at_time, *allowed].map(Shortest);
+                write!(f, "axis {axis}: {quantity} jumps by {jump} at {at_time} s, allowed is {allowed}")
             }
             Self::End(EndCheck { axis, quantity, residual, allowed }) => {
+                let [residual, allowed] = [*residual, *allowed].map(Shortest);
                 write!(
                     f,
                     "axis {axis}: {quantity} ends {residual} from where it should, allowed is {allowed}"

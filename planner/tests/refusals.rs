@@ -58,6 +58,16 @@ fn the_words_of_every_reason() {
             Why::NotPositive { given: -1.5 },
             "is -1.5: a limit is a magnitude, at least 1e-60; its sign is not needed",
         ),
+        (Why::NotFinite { given: 1.5e300 }, "is 1.5e300: give a finite number of at most 1e60 in magnitude"),
+        (Why::DurationNotPositive { given: -2e-5 }, "is -2e-5 s: give a time above 0, or leave it out"),
+        (
+            Why::Misstated { given: "5".into(), correct: "314".into() },
+            "says 5, and should say 314: correct it, or plan again",
+        ),
+        (
+            Why::FingerprintMismatch { given: "00ff".into(), correct: "1234".into() },
+            "is 00ff, that of another plan; this one has 1234: plan again, or leave it out where the change is meant",
+        ),
         (
             Why::EmptyRange { min: 2.0, max: 1.0 },
             "the range from 2 to 1 is empty: exchange min_position and max_position",
@@ -200,8 +210,7 @@ fn everything_that_is_wrong_is_said_at_once() {
              with an acceleration of zero",
             "axes[1].goal.velocity: is 2, beyond 1: end inside the limit or raise limits.max_velocity",
             "axes[2].kind: is not set: choose one of PRISMATIC",
-            "axes[2].goal.position: is 2000000000000000000000000000000000000000000000000000000000000: give a finite \
-             number of at most 1e60 in magnitude",
+            "axes[2].goal.position: is 2e60: give a finite number of at most 1e60 in magnitude",
         ],
     );
 }
@@ -300,6 +309,29 @@ fn what_a_later_version_will_do() {
         plan_stop(accelerating, &limits().try_into().unwrap()),
         &["a stop while accelerating is not implemented: stop from a constant speed"],
     );
+}
+
+/// What is due anyway asks nothing.
+#[test]
+fn a_minimum_duration_that_asks_something() {
+    // Neither 1 m/s nor 2 m/s² is reached: T = 4·∛(s/2j).
+    let least = 4.0 * (0.5 / 6.0f64).cbrt();
+    let asked = |minimum_duration| {
+        let spec = RequestSpec { minimum_duration, ..request(vec![axis("x", State::at_rest(0.5))]) };
+        Request::try_from(spec).and_then(|request| plan(&request))
+    };
+    for nothing in [None, Some(0.0), Some(-0.0), Some(1e-60), Some(0.999 * least)] {
+        let plan = asked(nothing).unwrap();
+        assert!((plan.duration() - least).abs() < 1e-12, "{nothing:?}: {} {least}", plan.duration());
+    }
+    let later = "minimum_duration: a minimum duration above the least that the limits allow is not implemented: leave \
+                 it out: the plan takes the least time";
+    for more in [1.001 * least, 1e60] {
+        check(asked(Some(more)), &[later]);
+    }
+    check(asked(Some(-1.0)), &["minimum_duration: is -1 s: give a time above 0, or leave it out"]);
+    let infinite = "minimum_duration: is inf: give a finite number of at most 1e60 in magnitude";
+    check(asked(Some(f64::INFINITY)), &[infinite]);
 }
 
 fn ask(family: Family, order: Option<u32>, axis: AxisMoveSpec) -> Result<Request, InvalidFields> {
