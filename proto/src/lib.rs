@@ -19,8 +19,8 @@ mod status;
 pub mod stream;
 
 pub use convert::{
-    Against, against, plan_from_wire, plan_to_wire, request_from_wire, request_to_wire, response_from_wire,
-    response_to_wire,
+    Against, against, plan_as_it_is, plan_from_wire, plan_to_wire, request_from_wire, request_to_wire,
+    response_from_wire, response_to_wire,
 };
 pub use digest::{Digest, RaggedColumns};
 pub use fingerprint::fingerprint;

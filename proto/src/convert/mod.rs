@@ -5,6 +5,7 @@
 
 mod certificate;
 mod choice;
+mod claims;
 mod limits;
 mod plan;
 mod rejected;
@@ -12,7 +13,7 @@ mod request;
 mod state;
 mod stream;
 
-pub use plan::{plan_from_wire, plan_to_wire};
+pub use plan::{plan_as_it_is, plan_from_wire, plan_to_wire};
 pub use request::{Against, against};
 pub use stream::{request_from_wire, request_to_wire, response_from_wire, response_to_wire};
 

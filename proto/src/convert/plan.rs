@@ -8,6 +8,7 @@ use super::choice::{
     family_from_wire, family_to_wire, kind_from_wire, kind_to_wire, quantity_from_wire, quantity_to_wire,
     short_path_from_wire, short_path_to_wire, synchronization_from_wire, synchronization_to_wire,
 };
+use super::claims::Claims;
 use super::{cycle_time_to_wire, duration_to_ns};
 use crate::{fingerprint, pb};
 
@@ -50,19 +51,41 @@ fn to_wire(plan: &Plan) -> pb::Plan {
     }
 }
 
-/// The motion that a plan on the wire describes. What it says of itself (fingerprint, certificate, explanation, number of
-/// cycles, duration) is computed again where it is needed, and not believed.
+/// The motion that a plan on the wire describes. Certificate and explanation are computed again where they are needed,
+/// and not believed; what else it says of itself has to be so.
 ///
 /// # Errors
-/// Everything that is not a motion: numbers that are not finite, laws that are not known, no axis. Whether the pieces
-/// join and keep the limits is for the judge to say.
+/// Everything that is not a motion: numbers that are not finite, laws that are not known, no axis. [`Why::Misstated`] and
+/// [`Why::FingerprintMismatch`] for a number of cycles, a duration, a method, guarantees or a fingerprint that are not
+/// those of the motion. Whether the pieces join and keep the limits is for the judge to say.
 pub fn plan_from_wire(wire: pb::Plan) -> Result<Plan, InvalidFields> {
+    let (plan, misstated) = plan_as_it_is(wire)?;
+    misstated.into_result(plan)
+}
+
+/// As [`plan_from_wire`], with what the plan says of itself and is not beside it: for whoever wants the motion judged
+/// all the same.
+///
+/// # Errors
+/// Everything that is not a motion.
+pub fn plan_as_it_is(wire: pb::Plan) -> Result<(Plan, InvalidFields), InvalidFields> {
+    let mut invalid = InvalidFields::default();
+    let mut guaranteed = Vec::with_capacity(wire.guaranteed.len());
+    for (index, quantity) in wire.guaranteed.iter().enumerate() {
+        match quantity_from_wire(*quantity) {
+            Ok(quantity) => guaranteed.push(quantity),
+            Err(why) => invalid.push(InvalidField::new(Field::element("guaranteed", index), why)),
+        }
+    }
+    let method = wire.method.map(method_from_wire).transpose();
+    let method = invalid.take(&Field::named("method"), method).unwrap_or_default();
+    let claims = Claims::of(&wire, method, &guaranteed);
     let pb::Plan {
         fingerprint: _,
         planner_version,
         evaluation_version,
-        method,
-        guaranteed,
+        method: _,
+        guaranteed: _,
         cycle_time,
         cycle_count: _,
         duration: _,
@@ -70,16 +93,6 @@ pub fn plan_from_wire(wire: pb::Plan) -> Result<Plan, InvalidFields> {
         certificate: _,
         explanation: _,
     } = wire;
-    let mut invalid = InvalidFields::default();
-    let method = method.map(method_from_wire).transpose();
-    let method = invalid.take(&Field::named("method"), method).unwrap_or_default();
-    let mut quantities = Vec::with_capacity(guaranteed.len());
-    for (index, quantity) in guaranteed.into_iter().enumerate() {
-        match quantity_from_wire(quantity) {
-            Ok(quantity) => quantities.push(quantity),
-            Err(why) => invalid.push(InvalidField::new(Field::element("guaranteed", index), why)),
-        }
-    }
     let cycle_time = CycleTime::from_ns(cycle_time.as_ref().map(duration_to_ns));
     let cycle_time = invalid.take(&Field::default(), cycle_time).unwrap_or(CycleTime::MILLISECOND);
     let mut domain_axes = Vec::new();
@@ -93,14 +106,15 @@ pub fn plan_from_wire(wire: pb::Plan) -> Result<Plan, InvalidFields> {
     if !invalid.is_empty() {
         return Err(invalid);
     }
-    let method = method.unwrap_or_default();
-    let plan = Plan::new(method, quantities, cycle_time, domain_axes)?;
+    let plan = Plan::new(method.unwrap_or_default(), guaranteed, cycle_time, domain_axes)?;
     // Zero is a plan that somebody wrote by hand: it is ours to evaluate.
     let evaluation_version = match evaluation_version {
         0 => planner::EVALUATION_VERSION,
         given => given,
     };
-    plan.made_by(Maker { planner_version, evaluation_version })
+    let plan = plan.made_by(Maker { planner_version, evaluation_version })?;
+    let misstated = claims.against(&plan);
+    Ok((plan, misstated))
 }
 
 fn method_from_wire(wire: pb::PlanMethod) -> Result<Method, InvalidFields> {
@@ -217,7 +231,7 @@ fn segment_from_wire(wire: pb::AxisSegment) -> Result<Segment, InvalidFields> {
     if !duration.is_finite() {
         invalid.note("duration", Some(Why::NotFinite { given: duration }));
     } else if duration <= 0.0 {
-        invalid.note("duration", Some(Why::NotPositive { given: duration }));
+        invalid.note("duration", Some(Why::DurationNotPositive { given: duration }));
     }
     match law.map(law_from_wire) {
         Some(law) => match invalid.take(&Field::default(), law) {

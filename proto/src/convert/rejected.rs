@@ -1,6 +1,6 @@
 //! What the planner and the judge object to, as refusals with a reason that programs know.
 
-use planner::{InvalidField, InvalidFields, Rejection, Why};
+use planner::{InvalidField, InvalidFields, Rejection, Shortest, Why};
 
 use crate::{FieldViolation, Reason, Rejected};
 
@@ -43,6 +43,7 @@ fn rank(why: &Why) -> u8 {
 fn reason(why: &Why) -> Reason {
     match why {
         Why::NotFinite { .. } => Reason::NotFinite,
+        Why::DurationNotPositive { .. } => Reason::TimesNotIncreasing,
         Why::NotPositive { .. } | Why::EmptyRange { .. } => Reason::LimitNotPositive,
         Why::Unspecified { .. } | Why::UnknownChoice { .. } | Why::UnknownName { .. } => {
             Reason::KindUnspecified
@@ -60,7 +61,9 @@ fn reason(why: &Why) -> Reason {
         }
         Why::LimitMissing { .. } => Reason::LimitNotPositive,
         Why::NotAtRest { .. } => Reason::StateNotAtRest,
-        Why::EvaluationVersion { .. } => Reason::PlanRejected,
+        Why::EvaluationVersion { .. } | Why::Misstated { .. } | Why::FingerprintMismatch { .. } => {
+            Reason::PlanRejected
+        }
         Why::StartOutsideLimits { .. } => Reason::StartOutsideLimits,
         Why::GoalOutsideLimits { .. } => Reason::GoalOutsideLimits,
         Why::PositionLimit { .. } => Reason::PositionLimit,
@@ -72,19 +75,26 @@ fn reason(why: &Why) -> Reason {
 
 /// What was needed, what was given, and the nearest that would do, for programs.
 fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
-    match *why {
+    let number = |number: f64| Some(Shortest(number).to_string());
+    let (needed, given, nearest) = match why {
         Why::PathTooShort { needed, given, nearest_velocity } => {
-            rejected.with("needed", needed).with("given", given).with("nearest", nearest_velocity)
+            (number(*needed), number(*given), number(*nearest_velocity))
         }
-        Why::StartOutsideLimits { given, allowed, .. } | Why::GoalOutsideLimits { given, allowed, .. } => {
-            rejected.with("needed", allowed).with("given", given).with("nearest", allowed)
+        Why::StartOutsideLimits { given, allowed, .. }
+        | Why::GoalOutsideLimits { given, allowed, .. }
+        | Why::PositionLimit { reached: given, allowed, .. } => {
+            (number(*allowed), number(*given), number(*allowed))
         }
-        Why::PositionLimit { reached, allowed, .. } => {
-            rejected.with("needed", allowed).with("given", reached).with("nearest", allowed)
+        Why::Misstated { given, correct } | Why::FingerprintMismatch { given, correct } => {
+            (Some(correct.clone()), Some(given.clone()), None)
         }
-        Why::NotFinite { given } | Why::NotPositive { given } | Why::NotAtRest { given, .. } => {
-            rejected.with("given", given)
-        }
-        _ => rejected,
-    }
+        Why::NotFinite { given }
+        | Why::NotPositive { given }
+        | Why::DurationNotPositive { given }
+        | Why::NotAtRest { given, .. } => (None, number(*given), None),
+        _ => return rejected,
+    };
+    let figures = [("needed", needed), ("given", given), ("nearest", nearest)];
+    let known = figures.into_iter().filter_map(|(key, value)| Some((key, value?)));
+    known.fold(rejected, |rejected, (key, value)| rejected.with(key, value))
 }

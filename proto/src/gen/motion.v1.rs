@@ -122,7 +122,7 @@ pub struct PlanRequest {
     /// How the axes share time. Unset: TIME.
     #[prost(enumeration = "Synchronization", tag = "6")]
     pub synchronization: i32,
-    /// Arrive no earlier than this, >= 0. Unset: as early as the limits allow.
+    /// Arrive no earlier than this, >= 0. Unset or 0: as early as the limits allow.
     #[prost(message, optional, tag = "7")]
     pub minimum_duration: ::core::option::Option<::prost_types::Duration>,
     /// Stretch the move, within its limits, to a whole number of cycles.
@@ -159,7 +159,7 @@ impl ::prost::Name for PlanResponse {
 /// One piece of an axis's motion, with its own clock that starts at zero.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct AxisSegment {
-    /// Length in time \[s\], >= 0.
+    /// Length in time \[s\], > 0.
     #[prost(double, tag = "1")]
     pub duration: f64,
     /// State at the segment's time 0; the end of the segment before it.
@@ -242,7 +242,8 @@ pub struct AxisPlan {
     /// The limits it was planned within.
     #[prost(message, optional, tag = "3")]
     pub limits: ::core::option::Option<AxisLimits>,
-    /// The pieces in order; each begins where the one before it ends. Empty: the axis stands still.
+    /// The pieces in order; each begins where the one before it ends. Empty: the axis stands still, or
+    /// passes through at the velocity of the end state, which is that of the start.
     #[prost(message, repeated, tag = "4")]
     pub segments: ::prost::alloc::vec::Vec<AxisSegment>,
     /// The goal as asked.
@@ -485,6 +486,11 @@ impl ::prost::Name for PlanMethod {
 }
 /// A motion of one or more axes over one time base, as analytic pieces, never samples: whoever
 /// holds it can evaluate it at any instant.
+///
+/// Whoever takes a plan refuses one whose fingerprint, cycle count, duration, method or guarantees
+/// are not those of its motion, with PLAN_REJECTED and the field. A plan written by hand may leave
+/// them out; certificate and explanation are computed again. The fingerprint of another planner
+/// version is not compared: it may cover fields that the reader does not know.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Plan {
     /// Identity of the plan, not protection: 16 bytes, XXH3-128 (seed 0, big-endian as the algorithm's
@@ -501,7 +507,7 @@ pub struct Plan {
     /// How the plan was made.
     #[prost(message, optional, tag = "10")]
     pub method: ::core::option::Option<PlanMethod>,
-    /// The derivatives kept within limits throughout.
+    /// The derivatives kept within limits throughout: at least those up to the order of the method.
     #[prost(enumeration = "Quantity", repeated, tag = "11")]
     pub guaranteed: ::prost::alloc::vec::Vec<i32>,
     /// Period of the control loop, > 0.
@@ -733,7 +739,8 @@ impl ::prost::Name for VerifyPlanRequest {
 /// The answer to VerifyPlan.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct VerifyPlanResponse {
-    /// What the judge found; a plan that fails is an answer, not an error.
+    /// What the judge found; a plan that fails is an answer, not an error, but one that is not what
+    /// it says of itself is refused.
     #[prost(message, optional, tag = "1")]
     pub certificate: ::core::option::Option<PlanCertificate>,
 }
