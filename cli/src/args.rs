@@ -51,8 +51,9 @@ pub(crate) struct Global {
     /// Print JSON for programs, one document a line, instead of tables for people.
     #[arg(long, global = true, help_heading = EVERYWHERE)]
     pub(crate) json: bool,
-    /// Ask the server at this address, as http://127.0.0.1:50051, instead of planning in this process.
-    #[arg(long, global = true, value_name = "URL", help_heading = EVERYWHERE)]
+    /// Ask the server at this address, as http://127.0.0.1:50051, instead of planning in this process; for track: the
+    /// axis simulator.
+    #[arg(long, global = true, value_name = "URL", help_heading = EVERYWHERE, value_parser = endpoint)]
     pub(crate) endpoint: Option<String>,
     /// When to use colours; auto: on a terminal, unless NO_COLOR is set.
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto", help_heading = EVERYWHERE)]
@@ -113,7 +114,7 @@ pub(crate) struct PlanArgs {
         conflicts_with_all = ["MoveFlags", "plot", "output"])]
     pub(crate) batch: Option<PathBuf>,
     /// Write a plot of position, velocity, acceleration and jerk over time.
-    #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
+    #[arg(long, value_name = "FILE.svg", help_heading = "Output", value_parser = svg)]
     pub(crate) plot: Option<PathBuf>,
     /// Save the Plan as JSON, for verify, sample and track.
     #[arg(long, value_name = "FILE.json", help_heading = "Output")]
@@ -191,7 +192,7 @@ pub(crate) struct MoveFlags {
     /// Time between two setpoints, with its unit, as 1ms, 250us or 0.002s; 1ms if not given.
     #[arg(long, value_name = "TIME", help_heading = "Method", value_parser = nanoseconds)]
     cycle_time: Option<i128>,
-    /// Arrive no earlier than this, with its unit, as 1.5s or 800ms.
+    /// Arrive no earlier than this, with its unit, as 1.5s or 800ms; 0s asks nothing.
     #[arg(long, value_name = "TIME", help_heading = "Method", value_parser = nanoseconds)]
     minimum_duration: Option<i128>,
     /// Stretch the move to a whole number of cycles.
@@ -262,7 +263,7 @@ Examples:
   portamento demo --virtual-time --json")]
 pub(crate) struct DemoArgs {
     /// Where to draw s, v, a and j, commanded against measured.
-    #[arg(long, value_name = "FILE.svg", default_value = "portamento-demo.svg")]
+    #[arg(long, value_name = "FILE.svg", default_value = "portamento-demo.svg", value_parser = svg)]
     pub(crate) plot: PathBuf,
     /// As fast as it computes, instead of one cycle a millisecond; the numbers are the same.
     #[arg(long)]
@@ -284,7 +285,7 @@ pub(crate) struct TrackArgs {
     #[command(flatten)]
     pub(crate) source: PlanSource,
     /// The planner that the axis is to stream from, as the axis reaches it; several are tried in order.
-    #[arg(long, value_name = "URL", default_value = "http://127.0.0.1:50051")]
+    #[arg(long, value_name = "URL", default_value = "http://127.0.0.1:50051", value_parser = endpoint)]
     pub(crate) planner: Vec<String>,
     /// Name of the stream to open.
     #[arg(long, value_name = "NAME", default_value = "portamento-track")]
@@ -302,7 +303,7 @@ pub(crate) struct TrackArgs {
     #[arg(long, value_name = "U")]
     pub(crate) settle_tolerance: Option<f64>,
     /// Draw s, v, a and j of the axis, commanded against measured; of the first axis, where there are several.
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = "FILE.svg", value_parser = svg)]
     pub(crate) plot: Option<PathBuf>,
 }
 
@@ -444,6 +445,40 @@ pub(crate) fn in_flags(text: &str) -> String {
     names.fold(text.to_owned(), |text, (name, flag)| text.replace(name, flag))
 }
 
+/// The address of a server, as far as it can be told without asking there.
+fn endpoint(text: &str) -> Result<String, String> {
+    let wanted = "give http://HOST:PORT, as http://127.0.0.1:50051";
+    let authority = text.strip_prefix("http://").ok_or_else(|| match text.starts_with("https://") {
+        true => format!("encryption is not implemented: {wanted}"),
+        false => wanted.to_owned(),
+    })?;
+    let authority = authority.strip_suffix('/').unwrap_or(authority);
+    let (host, port) = match authority.rsplit_once(':') {
+        Some((host, port)) if !port.ends_with(']') => (host, Some(port)),
+        _ => (authority, None),
+    };
+    // What resolves is for the resolver to say; what could not be a name or a number is a slip of the finger.
+    let of_host = |c: char| c.is_ascii_alphanumeric() || "-._~[]:%".contains(c);
+    if host.is_empty() || !host.chars().all(of_host) {
+        return Err(format!("{host:?} is not a host: {wanted}"));
+    }
+    match port.map(str::parse::<u16>) {
+        Some(Err(_)) => Err(format!("{:?} is not a port: {wanted}", port.unwrap_or_default())),
+        Some(Ok(_)) | None => Ok(text.to_owned()),
+    }
+}
+
+/// A file for a plot: of the one format that is written, so that no file holds what its name does not say.
+fn svg(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_svg = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
+    if is_svg {
+        return Ok(path);
+    }
+    let named = path.with_extension("svg");
+    Err(format!("plots are SVG, and other formats are made from it: name a file such as {}", named.display()))
+}
+
 /// A time with its unit, in whole nanoseconds. Whether it is long enough is for the planner to say.
 fn nanoseconds(text: &str) -> Result<i128, String> {
     const UNITS: [(&str, f64); 5] = [("ns", 1.0), ("us", 1e3), ("µs", 1e3), ("ms", 1e6), ("s", 1e9)];
@@ -466,6 +501,27 @@ mod tests {
     #[test]
     fn flags_are_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn endpoints_are_addresses() {
+        let good = ["http://127.0.0.1:50051", "http://cell-7.local:80/", "http://[::1]:50051", "http://host"];
+        for text in good {
+            assert_eq!(endpoint(text), Ok(text.to_owned()));
+        }
+        let bad =
+            ["foo bar", "localhost:50051", "http://", "http://a b:1", "http://h:99999", "https://h:1", ""];
+        for text in bad {
+            assert!(endpoint(text).is_err_and(|why| why.contains("http://127.0.0.1:50051")), "{text}");
+        }
+    }
+
+    #[test]
+    fn plots_are_named_for_what_they_are() {
+        assert_eq!(svg("a/b.SVG"), Ok(PathBuf::from("a/b.SVG")));
+        for (text, named) in [("x.png", "x.svg"), ("plot", "plot.svg"), ("a.svg/b", "a.svg/b.svg")] {
+            assert!(svg(text).is_err_and(|why| why.ends_with(named)), "{text}");
+        }
     }
 
     #[test]

@@ -8,8 +8,8 @@ use proto::{JsonError, Rejected};
 /// Everything that ends a command early.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
-    /// The judge does not pass the plan. The command has said so already.
-    #[error("the plan does not pass")]
+    /// The judge does not pass the plan, or it is not what it says of itself. The command has said why.
+    #[error("the plan does not pass, as said above: plan it again")]
     NotPassed,
     /// The answer could not be given.
     #[error("{path} cannot be written: {cause}: choose a place that can be, with room left", path = place(.path))]

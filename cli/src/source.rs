@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Read};
 use std::path::Path;
 
-use planner::{Plan, RequestSpec};
+use planner::{InvalidFields, Plan, RequestSpec};
 use proto::{Against, JsonError, Reason, Rejected, pb};
 
 use crate::failure::Failure;
@@ -19,20 +19,25 @@ pub(crate) fn request(path: &Path) -> Result<RequestSpec, Failure> {
     Ok(request.into())
 }
 
-/// The plan in a file, from a Plan or a PlanResponse; and whether its fingerprint is that of another plan.
-pub(crate) fn plan(path: &Path) -> Result<(Plan, bool), Failure> {
+/// The plan in a file, from a Plan or a PlanResponse.
+pub(crate) fn plan(path: &Path) -> Result<Plan, Failure> {
+    proto::plan_from_wire(wire_plan(path)?).map_err(Failure::refused)
+}
+
+/// As [`plan`], with what the plan says of itself and is not beside it.
+pub(crate) fn plan_as_it_is(path: &Path) -> Result<(Plan, InvalidFields), Failure> {
+    proto::plan_as_it_is(wire_plan(path)?).map_err(Failure::refused)
+}
+
+fn wire_plan(path: &Path) -> Result<pb::Plan, Failure> {
     let text = text(path)?;
     let wrapped =
         serde_json::from_str(&text).is_ok_and(|value: serde_json::Value| value.get("plan").is_some());
-    let wire = if wrapped {
-        let response = proto::from_json::<pb::PlanResponse>(&text).map_err(not_a("PlanResponse", path))?;
-        response.plan.unwrap_or_default()
-    } else {
-        proto::from_json::<pb::Plan>(&text).map_err(not_a("Plan", path))?
-    };
-    let changed = !wire.fingerprint.is_empty() && wire.fingerprint != proto::fingerprint(&wire);
-    let plan = proto::plan_from_wire(wire).map_err(Failure::refused)?;
-    Ok((plan, changed))
+    if !wrapped {
+        return proto::from_json::<pb::Plan>(&text).map_err(not_a("Plan", path));
+    }
+    let response = proto::from_json::<pb::PlanResponse>(&text).map_err(not_a("PlanResponse", path))?;
+    Ok(response.plan.unwrap_or_default())
 }
 
 /// What a plan is to be held against, from the axes of a request.

@@ -104,7 +104,7 @@ fn batch(lines: &[String]) -> Ran {
 
 #[test]
 fn help_teaches() {
-    for command in ["", "plan", "verify", "sample", "explain"] {
+    for command in ["", "demo", "plan", "verify", "sample", "track", "explain"] {
         let args: Vec<&str> = [command, "--help"].into_iter().filter(|arg| !arg.is_empty()).collect();
         let help = portamento(&args, "").with(0).out;
         assert!(help.contains("Examples:"), "{help}");
@@ -135,17 +135,57 @@ fn a_path_too_short_is_shown() {
 
 #[test]
 fn tables_fit_eighty_columns() {
-    let rows: [&[&str]; 4] = [
+    let long_name = "a name that is longer than any table has room for";
+    let rows: [&[&str]; 11] = [
         &["--distance", "1e-12"],
-        &["--distance", "-1e6", "--axis", "a name that is longer than any table has room for"],
+        &["--distance", "-1e6", "--axis", long_name],
         &["--distance", "0.123456789", "--from", "-1234.56789", "--kind", "revolute"],
         &["--distance", "0.333", "--start-velocity", "0.1", "--max-position", "7", "--kind", "pulses"],
+        &["--distance", "0.05", "--from", "-1e9", "--kind", "pulses"],
+        &["--distance", "123456.789012345", "--max-deceleration", "1.23456789e-7", "--kind", "pulses"],
+        &["--distance", "1e-31", "--from", "1e-29", "--start-velocity", "1e-25", "--axis", long_name],
+        &["--distance", "-3.3e11", "--from", "1.1e12", "--axis", long_name, "--kind", "pulses"],
+        &["--distance", "1e11", "--feed-rate", "1e9", "--end-velocity", "0.123456789"],
+        &["--distance", "1e3", "--family", "trapezoidal", "--start-velocity", "1.23456789e-9"],
+        &["--distance", "1e-7", "--family", "polynomial", "--order", "4", "--max-snap", "123456.789"],
     ];
     for row in rows {
         let out = plan(row).with(0).out;
         let table = out.lines().filter(|line| !line.starts_with("Axis a name"));
         let longest = table.map(|line| line.chars().count()).max();
         assert!(longest <= Some(80), "{longest:?}:\n{out}");
+    }
+}
+
+/// What lasts is not shown as lasting nothing, and what moves not as standing.
+#[test]
+fn tables_keep_their_digits() {
+    let far = plan(&["--distance", "0.05", "--from", "1e6"]).with(0).out;
+    assert!(far.contains("1000000.0005"), "{far}");
+    let long = plan(&["--distance", "1e6"]).with(0).out;
+    for digits in ["0.05333", "0.01417", "jerk for 0.03 s at\n  4000000 s", "4000000114 cycles"] {
+        assert!(long.contains(digits), "{digits}: {long}");
+    }
+    let short = plan(&["--distance", "1e-12"]).with(0).out;
+    assert!(short.starts_with("6.84e-5 s, 1 cycle of 1 ms;") && short.contains("1.71e-5"), "{short}");
+}
+
+#[test]
+fn without_a_way_an_axis_stands_or_passes() {
+    let still = plan(&["--distance", "0"]).with(0).out;
+    assert!(still.contains("Axis x, prismatic: stands still\n"), "{still}");
+    for speed in ["0.125", "-0.125"] {
+        let [start, end] = ["start", "end"].map(|end| format!("--{end}-velocity={speed}"));
+        let args = ["--distance", "0", &start, &end];
+        let passing = plan(&args).with(0).out;
+        assert!(passing.contains(&format!("no way to go, passes at {speed} m/s\n")), "{passing}");
+        let json = plan(&[&args[..], &["--json"]].concat()).with(0).json();
+        let check = &json["plan"]["certificate"]["limitChecks"][0];
+        assert_eq!(
+            (&check["extremum"], &check["margin"]),
+            (&json!(speed.parse::<f64>().unwrap()), &json!(0.5))
+        );
+        assert_eq!(json["plan"]["axes"][0]["classification"]["feedRate"], 0.125);
     }
 }
 
@@ -159,8 +199,15 @@ fn colours_are_for_terminals() {
 
 #[test]
 fn exit_codes_tell_why() {
-    let rows: [(&[&str], i32); 8] = [
+    let rows: [(&[&str], i32); 15] = [
         (&["plan"], 2),
+        (&["plan", "--request", "-", "--endpoint", "foo bar"], 2),
+        (&["plan", "--request", "-", "--endpoint", "localhost:50051"], 2),
+        (&["plan", "--request", "-", "--endpoint", "https://cell:50051"], 2),
+        (&["plan", "--request", "-", "--plot", "x.png"], 2),
+        (&["demo", "--plot", "demo.pdf"], 2),
+        (&["track", "--plan", "-", "--planner", "http://"], 2),
+        (&["track", "--plan", "-", "--plot", "track"], 2),
         (&["plan", "--distance", "0.05", "--max-velocity", "fast"], 2),
         (&["plan", "--distance", "1", "--batch", "-"], 2),
         (&["plan", "--request", "/nowhere/request.json"], 2),
@@ -281,12 +328,14 @@ fn a_plan_verifies_until_somebody_changes_it() {
 
     let mut tampered: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
     tampered["axes"][0]["segments"][2]["jerk"] = json!(-120.0);
+    tampered["cycleCount"] = json!(300);
+    tampered["fingerprint"] = json!("");
     let tampered_file = place.join("tampered.json");
     std::fs::write(&tampered_file, tampered.to_string()).unwrap();
     let failed = portamento(&["verify", "--plan", text(&tampered_file)], "").with(1);
-    assert!(failed.out.contains("Certificate: FAILED"), "{}", failed.out);
-    assert!(failed.err.contains("fingerprint"), "{}", failed.err);
-    let failed = portamento(&["verify", "--plan", text(&tampered_file), "--json"], "").with(1).json();
+    insta::assert_snapshot!("tampered", failed.out + &failed.err);
+    tampered["cycleCount"] = json!(0);
+    let failed = portamento(&["verify", "--plan", "-", "--json"], &tampered.to_string()).with(1).json();
     assert_eq!(failed["certificate"]["passed"], false);
 
     let csv = place.join("tampered.csv");
@@ -294,6 +343,34 @@ fn a_plan_verifies_until_somebody_changes_it() {
     let refused = portamento(&args, "").with(3);
     assert!(refused.err.contains("PLAN_REJECTED"), "{}", refused.err);
     assert!(!csv.exists());
+
+    // What a plan says of itself, one lie each; programs get the field.
+    let good: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
+    let lies = [
+        ("cycleCount", json!("313"), "cycle_count"),
+        ("duration", json!(0.25), "duration"),
+        ("fingerprint", json!("AAAA"), "fingerprint"),
+        ("guaranteed", json!(["QUANTITY_VELOCITY"]), "guaranteed"),
+        ("method", json!({"family": "PROFILE_FAMILY_TRIGONOMETRIC", "order": 3}), "method.family"),
+    ];
+    for (key, value, field) in lies {
+        let mut lying = good.clone();
+        lying[key] = value;
+        let lying = lying.to_string();
+        let shown = portamento(&["verify", "--plan", "-"], &lying).with(1);
+        assert!(
+            shown.out.contains("not what it says of itself") && shown.out.contains(field),
+            "{}",
+            shown.out
+        );
+        let error = portamento(&["verify", "--plan", "-", "--json"], &lying).with(1).json();
+        assert_eq!(
+            (&error["error"]["reason"], &error["error"]["fields"][0]["field"]),
+            (&json!("PLAN_REJECTED"), &json!(field))
+        );
+        let refused = portamento(&["sample", "--plan", "-"], &lying).with(3);
+        assert!(refused.out.is_empty() && refused.err.contains(field), "{}", refused.err);
+    }
 
     // Held against limits of somebody else.
     let against = place.join("against.json");
@@ -399,7 +476,7 @@ fn a_server_gives_the_answers_of_this_process() {
 
 #[test]
 fn nobody_at_the_endpoint_is_told() {
-    for endpoint in ["http://127.0.0.1:9", "not an address"] {
+    for endpoint in ["http://127.0.0.1:9", "http://[::1]:9/"] {
         let ran = plan(&["--distance", "0.05", "--endpoint", endpoint]).with(4);
         assert!(ran.err.contains("exit code 4") && ran.err.contains("--endpoint"), "{}", ran.err);
     }

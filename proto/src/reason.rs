@@ -111,7 +111,7 @@ reasons! {
              changed. Wait until it is at rest and open a stream with a new plan; use hold where you mean to go on."
         PlanRejected "PLAN_REJECTED"
             "A plan that was sent in fails the judge: it jumps, breaks a limit that it guarantees, or does not end \
-             where it says. Plan it again, and verify it to see each check."
+             where it says; or it is not what it says of itself. Plan it again, and verify it to see each check."
         NotProved "NOT_PROVED"
             "The plan does not guarantee velocity and acceleration limits, so it does not open a stream by itself. \
              Use another profile family or interpolation, or set accept_unproved if you know that it is safe."

@@ -54,7 +54,10 @@ pub(crate) fn run(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(), Failur
         writeln!(screen.out, "  {same}")?;
         writeln!(screen.out, "\nDrawn in {}.", args.plot.display())?;
     }
-    if report.stream.digest == undisturbed { Ok(()) } else { Err(Failure::NotPassed) }
+    if report.stream.digest == undisturbed {
+        return Ok(());
+    }
+    Err(Failure::Internal("the setpoints that were played are not those of the plan".into()))
 }
 
 /// A server on any free port of this machine, an axis, and a move from one to the other.

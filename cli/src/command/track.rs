@@ -14,7 +14,7 @@ const USUAL_AXIS: &str = "http://127.0.0.1:50052";
 
 /// `portamento track`
 pub(crate) fn run(args: &TrackArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
-    let (plan, _) = source::plan(&args.source.plan)?;
+    let plan = source::plan(&args.source.plan)?;
     let judged = Judged::new(plan);
     let plan = judged.clone().accepted().map_err(Failure::refused)?;
     let request = TrackRequest {

@@ -7,16 +7,21 @@ use crate::source;
 
 /// `portamento verify`
 pub(crate) fn run(args: &VerifyArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
-    let (plan, changed) = source::plan(&args.source.plan)?;
-    if changed {
-        writeln!(screen.notes, "note: the plan is not as it was made: its fingerprint is that of another")?;
-    }
+    let (plan, misstated) = source::plan_as_it_is(&args.source.plan)?;
     let against = args.against.as_deref().map(source::against).transpose()?;
     let certificate = Service::open(endpoint)?.verify(&plan, against.unwrap_or_default())?;
-    if screen.json {
+    let honest = misstated.is_empty();
+    if screen.json && honest {
         writeln!(screen.out, "{}", json::verify_response(&certificate)?)?;
+    } else if screen.json {
+        // As everybody else refuses it.
+        writeln!(screen.out, "{}", json::error(&misstated.into()))?;
     } else {
         table::certificate(screen, &plan, &certificate)?;
+        if !honest {
+            writeln!(screen.out)?;
+            table::misstated(screen, &misstated)?;
+        }
     }
-    if certificate.passed() { Ok(()) } else { Err(Failure::NotPassed) }
+    if certificate.passed() && honest { Ok(()) } else { Err(Failure::NotPassed) }
 }

@@ -68,8 +68,10 @@ impl Screen<'_> {
     /// Says why a command ended early: one paragraph for people, an object for programs.
     pub(crate) fn tell(&mut self, failure: &Failure) -> io::Result<()> {
         match failure {
-            // Said already, or nobody is left to hear it.
-            Failure::NotPassed | Failure::ReaderGone => return Ok(()),
+            // Nobody is left to hear it.
+            Failure::ReaderGone => return Ok(()),
+            // The answer says so.
+            Failure::NotPassed if self.json => return Ok(()),
             Failure::Refused(rejected) if self.json => {
                 writeln!(self.out, "{}", json::error(rejected))?;
                 return self.out.flush();
@@ -79,6 +81,9 @@ impl Screen<'_> {
         let (text, more) = match failure {
             Failure::Refused(rejected) => {
                 (refusal(rejected), Some(format!("portamento explain {}", rejected.reason)))
+            }
+            Failure::NotPassed => {
+                (failure.to_string(), Some(format!("portamento explain {}", proto::Reason::PlanRejected)))
             }
             other => (clean(&other.to_string()), None),
         };
@@ -106,7 +111,8 @@ pub(crate) fn clean(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
-/// Words in lines of at most [`WIDTH`], each after `indent`.
+/// Words in lines of at most [`WIDTH`], each after `indent`. A no-break space holds two of them together and is
+/// written as a space.
 pub(crate) fn wrapped(text: &str, indent: &str) -> String {
     let mut lines: Vec<String> = Vec::new();
     let mut line = String::new();
@@ -121,5 +127,6 @@ pub(crate) fn wrapped(text: &str, indent: &str) -> String {
         line.push_str(word);
     }
     lines.push(line);
-    lines.iter().map(|line| format!("{indent}{line}")).collect::<Vec<_>>().join("\n")
+    let lines: Vec<_> = lines.iter().map(|line| format!("{indent}{line}")).collect();
+    lines.join("\n").replace('\u{a0}', " ")
 }

@@ -5,7 +5,7 @@ use std::io;
 use planner::{AxisKind, Plan, Quantity};
 use sim_axis::{ReportCard, StreamReport, TrackingReport};
 
-use crate::show::number::{plain, unit};
+use crate::show::number::{counted, plain, unit};
 use crate::show::paint::{Screen, clean};
 
 /// What is written before a value [characters].
@@ -74,8 +74,7 @@ fn stream_report(screen: &mut Screen<'_>, plan: &Plan, stream: &StreamReport) ->
     let StreamReport { cycles_executed, counters, failovers, jitter, digest, stop_tail_used } = stream;
     let underruns = match counters.underruns {
         0 => screen.paint.good("no underrun"),
-        1 => screen.paint.bad("1 underrun"),
-        more => screen.paint.bad(&format!("{more} underruns")),
+        some => screen.paint.bad(&counted(some, "underrun")),
     };
     let microseconds = |seconds: f64| plain(round(seconds * 1e6));
     let tail = if *stop_tail_used { ", a stop tail was played" } else { "" };
@@ -84,8 +83,9 @@ fn stream_report(screen: &mut Screen<'_>, plan: &Plan, stream: &StreamReport) ->
         (
             "least lead",
             format!(
-                "{} cycles; {} began late and were made up for",
-                counters.least_lead_cycles, counters.late_cycles
+                "{}; {} began late and were made up for",
+                counted(counters.least_lead_cycles, "cycle"),
+                counters.late_cycles
             ),
         ),
         (
@@ -100,8 +100,10 @@ fn stream_report(screen: &mut Screen<'_>, plan: &Plan, stream: &StreamReport) ->
         (
             "batches",
             format!(
-                "{} refused, {} cycles came twice, {} of an epoch that was over",
-                counters.refused_batches, counters.duplicate_cycles, counters.stale_epochs
+                "{} refused, {} came twice, {} of an epoch that was over",
+                counters.refused_batches,
+                counted(counters.duplicate_cycles, "cycle"),
+                counters.stale_epochs
             ),
         ),
         ("fail-overs", format!("{failovers}{tail}")),

@@ -3,11 +3,11 @@
 use std::io;
 
 use planner::{
-    AdjustmentReason, AsymmetricType, AxisKind, AxisPlan, Certificate, Classification, EightType, Family,
-    Judged, Method, Plan, Quantity,
+    AdjustmentReason, AsymmetricType, AxisKind, AxisPlan, Certificate, Classification, EightType, EndCheck,
+    Family, InvalidFields, JoinCheck, Judged, LimitCheck, Method, Plan, Quantity, Violation,
 };
 
-use crate::show::number::{self, column, plain, unit};
+use crate::show::number::{self, column, counted, exact_column, plain, unit};
 use crate::show::paint::{Paint, Screen, WIDTH, clean, wrapped};
 
 /// The most significant digits that a table shows, and the fewest that it comes down to where it is too wide.
@@ -18,8 +18,8 @@ const LONGEST_NAME: usize = 16;
 /// Everything about a plan.
 pub(crate) fn plan(screen: &mut Screen<'_>, judged: &Judged) -> io::Result<()> {
     let (plan, paint) = (judged.plan(), screen.paint);
-    let (seconds, cycles) = (plain(plan.duration()), plan.cycle_count());
-    let heading = format!("{seconds} s, {cycles} cycles of {}", number::cycle(plan.cycle_time()));
+    let (seconds, cycles) = (plain(plan.duration()), counted(plan.cycle_count(), "cycle"));
+    let heading = format!("{seconds} s, {cycles} of {}", number::cycle(plan.cycle_time()));
     let version = clean(&plan.maker().planner_version);
     writeln!(screen.out, "{}; {} by planner {version}", paint.heading(&heading), family(plan.method()))?;
     let critical = &judged.explanation().critical_axis;
@@ -42,22 +42,69 @@ pub(crate) fn certificate(screen: &mut Screen<'_>, plan: &Plan, certificate: &Ce
         .out
         .write_all(fitted(|digits| limits_table(plan, certificate, digits)).render(paint).as_bytes())?;
     writeln!(screen.out)?;
-    screen.out.write_all(ends_table(plan, certificate).render(paint).as_bytes())?;
-    // When is in the table for limits, and at the end for ends.
-    for join in certificate.joins.iter().filter(|join| !join.passed()) {
-        let unit = unit(kind_of(plan, &join.axis), join.quantity);
-        let (axis, quantity) = (clean(&join.axis), join.quantity);
-        let (jump, time) = (plain(join.worst_jump), plain(join.at_time));
-        let text = format!("The {quantity} of {axis} jumps by {jump} {unit} at {time} s.");
-        writeln!(screen.out, "{}", wrapped(&text, "  "))?;
+    screen.out.write_all(fitted(|_| ends_table(plan, certificate)).render(paint).as_bytes())?;
+    if !certificate.passed() {
+        writeln!(screen.out, "\n{}", paint.bad("What is promised and not kept:"))?;
+    }
+    for violation in certificate.violations() {
+        writeln!(screen.out, "{}", wrapped(&finding(plan, &violation), "  "))?;
     }
     Ok(())
+}
+
+/// What a plan says of itself and is not.
+pub(crate) fn misstated(screen: &mut Screen<'_>, misstated: &InvalidFields) -> io::Result<()> {
+    let heading = screen.paint.bad("The plan is not what it says of itself:");
+    writeln!(screen.out, "{heading}")?;
+    for invalid in misstated.as_slice() {
+        writeln!(screen.out, "{}", wrapped(&clean(&format!("{invalid}.")), "  "))?;
+    }
+    Ok(())
+}
+
+/// What the judge objects to, in a sentence.
+fn finding(plan: &Plan, violation: &Violation) -> String {
+    let with_unit = |value: f64, axis: &str, quantity| {
+        format!("{}\u{a0}{}", plain(value), unit(kind_of(plan, axis), quantity))
+    };
+    match violation {
+        Violation::Limit(check) => {
+            let LimitCheck { axis, quantity, limit, extremum, at_time, margin, .. } = check;
+            let (of, time) = (format!("The {quantity} of {}", clean(axis)), plain(*at_time));
+            let limit = with_unit(*limit, axis, *quantity);
+            let below = quantity.order().and_then(|order| Quantity::BY_ORDER.get(order.checked_sub(1)?));
+            if let (true, Some(below)) = (extremum.is_infinite(), below) {
+                return format!(
+                    "{of} is infinite at {time}\u{a0}s, where its {below} jumps; its limit is {limit}."
+                );
+            }
+            let reached = format!("{of} reaches {} at {time}\u{a0}s", with_unit(*extremum, axis, *quantity));
+            match quantity {
+                Quantity::Position => format!("{reached}, outside its range, which ends at {limit}."),
+                _ => format!("{reached}, {} beyond its limit of {limit}.", number::percent(-margin)),
+            }
+        }
+        Violation::Join(JoinCheck { axis, quantity, worst_jump, allowed, at_time, .. }) => {
+            let [jump, allowed] = [*worst_jump, *allowed].map(|value| with_unit(value, axis, *quantity));
+            let (axis, time) = (clean(axis), plain(*at_time));
+            format!(
+                "The {quantity} of {axis} jumps by {jump} at {time}\u{a0}s, where pieces meet; up to {allowed} is rounding."
+            )
+        }
+        Violation::End(EndCheck { axis, quantity, residual, allowed }) => {
+            let [residual, allowed] = [*residual, *allowed].map(|value| with_unit(value, axis, *quantity));
+            let axis = clean(axis);
+            format!(
+                "The {quantity} of {axis} ends {residual} from where it should; up to {allowed} is rounding."
+            )
+        }
+    }
 }
 
 fn axis_plan(screen: &mut Screen<'_>, judged: &Judged, axis: &AxisPlan) -> io::Result<()> {
     let paint = screen.paint;
     let name = paint.heading(&format!("Axis {}", clean(&axis.axis)));
-    let shape = classification(&axis.classification, axis.kind);
+    let shape = passing(axis).unwrap_or_else(|| classification(&axis.classification, axis.kind));
     writeln!(screen.out, "\n{}", wrapped(&format!("{name}, {}: {shape}", kind(axis.kind)), ""))?;
     if !axis.profile.segments().is_empty() {
         screen.out.write_all(fitted(|digits| phases(axis, digits)).render(paint).as_bytes())?;
@@ -67,7 +114,7 @@ fn axis_plan(screen: &mut Screen<'_>, judged: &Judged, axis: &AxisPlan) -> io::R
     for adjustment in &axis.adjustments {
         let quantity = adjustment.quantity;
         let text = format!(
-            "{} not as asked: {} instead of {} {}, {} ({}).",
+            "{} not as asked: {} instead of {}\u{a0}{}, {} ({}).",
             quantity,
             plain(adjustment.planned),
             plain(adjustment.asked),
@@ -84,17 +131,24 @@ fn axis_plan(screen: &mut Screen<'_>, judged: &Judged, axis: &AxisPlan) -> io::R
     Ok(())
 }
 
-/// A row for each piece, and one for the end.
+/// What an axis does that has no way to go and is in motion.
+fn passing(axis: &AxisPlan) -> Option<String> {
+    let speed = Some(axis.profile.end().velocity).filter(|speed| *speed != 0.0)?;
+    let (speed, unit) = (plain(speed), unit(axis.kind, Quantity::Velocity));
+    axis.profile.segments().is_empty().then(|| format!("no way to go, passes at {speed}\u{a0}{unit}"))
+}
+
+/// A row for each piece.
 fn phases(axis: &AxisPlan, digits: i32) -> Table {
     let pieces: Vec<_> = axis.profile.timed_segments().collect();
-    let values = |of: &dyn Fn(&(f64, &planner::Segment)) -> f64| -> Vec<String> {
-        column(&pieces.iter().map(of).collect::<Vec<_>>(), digits)
-    };
+    let all = |of: &dyn Fn(&(f64, &planner::Segment)) -> f64| pieces.iter().map(of).collect::<Vec<_>>();
+    let values = |of: &dyn Fn(&(f64, &planner::Segment)) -> f64| column(&all(of), digits);
+    let times = |of: &dyn Fn(&(f64, &planner::Segment)) -> f64| exact_column(&all(of), digits);
     let mut table = Table::default();
     table.right("#", "", (1..=pieces.len()).map(|number| number.to_string()).collect());
-    table.right("from", "[s]", values(&|(begin, _)| *begin));
-    table.right("to", "[s]", values(&|(begin, piece)| begin + piece.duration));
-    table.right("lasts", "[s]", values(&|(_, piece)| piece.duration));
+    table.right("from", "[s]", times(&|(begin, _)| *begin));
+    table.right("to", "[s]", times(&|(begin, piece)| begin + piece.duration));
+    table.right("lasts", "[s]", times(&|(_, piece)| piece.duration));
     let begins = [
         ("jerk", Quantity::Jerk, 3),
         ("position", Quantity::Position, 0),
@@ -137,10 +191,16 @@ fn held_back(judged: &Judged, axis: &AxisPlan) -> Option<String> {
         return None;
     }
     let times: Vec<f64> = bindings.iter().flat_map(|binding| [binding.from_time, binding.to_time]).collect();
-    let times = column(&times, 4);
+    let times = exact_column(&times, 4);
     let spans = bindings.iter().zip(times.chunks(2)).map(|(binding, times)| {
         let (from, to) = (&times[0], &times[1]);
-        format!("{} {from} to {to} s", binding.quantity)
+        let quantity = binding.quantity;
+        if from == to {
+            // Too short to be told by when it is.
+            let lasts = exact_column(&[binding.to_time - binding.from_time], 3).remove(0);
+            return format!("{quantity} for {lasts}\u{a0}s at {from}\u{a0}s");
+        }
+        format!("{quantity} {from} to {to}\u{a0}s")
     });
     Some(format!("Limits that hold it back: {}.", spans.collect::<Vec<_>>().join(", ")))
 }
@@ -152,7 +212,7 @@ fn limits_table(plan: &Plan, certificate: &Certificate, digits: i32) -> Table {
     let what = |axis: &str, quantity| format!("{quantity} [{}]", unit(kind_of(plan, axis), quantity));
     table.left("limit on", "", checks.iter().map(|check| what(&check.axis, check.quantity)).collect());
     // Not of one quantity, so each with digits of its own.
-    let each = |of: &dyn Fn(&planner::LimitCheck) -> f64| -> Vec<String> {
+    let each = |of: &dyn Fn(&LimitCheck) -> f64| -> Vec<String> {
         checks.iter().map(|check| column(&[of(check)], digits).remove(0)).collect()
     };
     table.right("limit", "", each(&|check| check.limit));
@@ -219,7 +279,7 @@ fn family(method: Method) -> String {
 pub(crate) fn classification(classification: &Classification, kind: AxisKind) -> String {
     // The six cases tell less than the eight types do, and are given with them.
     let Classification { eight_type, asymmetric_type, six_case: _, feed_rate } = *classification;
-    let peak = format!("{} {}", plain(feed_rate), unit(kind, Quantity::Velocity));
+    let peak = format!("{}\u{a0}{}", plain(feed_rate), unit(kind, Quantity::Velocity));
     let Some(eight_type) = eight_type else {
         return match asymmetric_type {
             Some(asymmetric) => format!(
