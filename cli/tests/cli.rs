@@ -9,62 +9,12 @@
     reason = "a test may fail by panicking"
 )]
 
-use std::io::Write as _;
+mod common;
+
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
 
+use common::{Ran, portamento, request};
 use serde_json::{Value, json};
-
-/// What came of one call.
-struct Ran {
-    code: i32,
-    out: String,
-    err: String,
-}
-
-impl Ran {
-    #[track_caller]
-    fn with(self, code: i32) -> Self {
-        assert_eq!(self.code, code, "{}\n{}", self.out, self.err);
-        self
-    }
-
-    #[track_caller]
-    fn json(&self) -> Value {
-        serde_json::from_str(&self.out).unwrap_or_else(|error| panic!("{error}: {}", self.out))
-    }
-
-    #[track_caller]
-    fn lines(&self) -> Vec<Value> {
-        self.out.lines().map(|line| serde_json::from_str(line).expect(line)).collect()
-    }
-}
-
-fn portamento(args: &[&str], input: &str) -> Ran {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_portamento"))
-        .args(args)
-        .env_remove("NO_COLOR")
-        .env("COLUMNS", "80")
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    let input = input.to_owned();
-    // Beside reading: a batch answers while it is asked.
-    let feeding = std::thread::spawn(move || {
-        // Whoever needs no input does not read it.
-        let _ = stdin.write_all(input.as_bytes());
-    });
-    let Output { status, stdout, stderr } = child.wait_with_output().unwrap();
-    feeding.join().unwrap();
-    Ran {
-        code: status.code().unwrap(),
-        out: String::from_utf8(stdout).unwrap(),
-        err: String::from_utf8(stderr).unwrap(),
-    }
-}
 
 /// A place for the files of one test.
 fn place(test: &str) -> PathBuf {
@@ -87,19 +37,6 @@ fn plan(args: &[&str]) -> Ran {
 /// What is the same in every version.
 fn unversioned(text: &str) -> String {
     text.replace(env!("CARGO_PKG_VERSION"), "VERSION")
-}
-
-fn request(distance: f64) -> Value {
-    json!({"axes": [{
-        "axis": "x",
-        "kind": "AXIS_KIND_PRISMATIC",
-        "goal": {"position": distance},
-        "limits": {"maxVelocity": 0.25, "maxAcceleration": 3, "maxJerk": 100},
-    }]})
-}
-
-fn batch(lines: &[String]) -> Ran {
-    portamento(&["plan", "--batch", "-"], &lines.join("\n"))
 }
 
 #[test]
@@ -227,90 +164,6 @@ fn exit_codes_tell_why() {
     portamento(&["plan", "--request", "-"], "{").with(2);
     portamento(&["plan", "--request", "-"], &request(f64::MAX).to_string()).with(3);
     portamento(&["plan", "--request", "-"], &request(0.05).to_string()).with(0);
-}
-
-#[test]
-fn a_batch_answers_every_line_in_order() {
-    let many = vec![request(0.05)["axes"][0].clone(); 1000];
-    let mut not_a_number = request(0.05);
-    not_a_number["axes"][0]["goal"]["velocity"] = json!("NaN");
-    let mut bare = request(0.05).to_string();
-    bare = bare.replace("0.05", "NaN");
-    let lines = [
-        request(0.05).to_string(),
-        "garbage".into(),
-        "  ".into(),
-        not_a_number.to_string(),
-        bare.clone(),
-        bare.replace("NaN", "-Infinity"),
-        bare.replace("NaN", "1e999"),
-        json!({"axes": many, "synchronization": "SYNCHRONIZATION_NONE"}).to_string(),
-        json!({"axes": []}).to_string(),
-        "{\"axis\": []}".into(),
-        "[1, 2]".into(),
-        "\u{feff}".into(),
-        request(-0.1).to_string(),
-    ];
-    let ran = batch(&lines).with(0);
-    let answers = ran.lines();
-    let expected = [
-        "plan",
-        "INVALID_ARGUMENT PROTOCOL_ORDER",
-        "INVALID_ARGUMENT NOT_FINITE",
-        "INVALID_ARGUMENT NOT_FINITE",
-        "INVALID_ARGUMENT NOT_FINITE",
-        "INVALID_ARGUMENT NOT_FINITE",
-        "RESOURCE_EXHAUSTED TOO_MANY_AXES",
-        "INVALID_ARGUMENT NO_AXES",
-        "INVALID_ARGUMENT PROTOCOL_ORDER",
-        "INVALID_ARGUMENT PROTOCOL_ORDER",
-        "INVALID_ARGUMENT PROTOCOL_ORDER",
-        "plan",
-    ];
-    let said = answers.iter().map(|answer| match answer.get("error") {
-        None => {
-            assert_eq!(answer["plan"]["certificate"]["passed"], true);
-            "plan".to_owned()
-        }
-        Some(error) => {
-            let texts = ["code", "reason", "message"].map(|key| error[key].as_str().unwrap());
-            assert!(error["fields"].is_array() && error["metadata"].is_object() && !texts[2].is_empty());
-            format!("{} {}", texts[0], texts[1])
-        }
-    });
-    assert_eq!(said.collect::<Vec<_>>(), expected);
-    // Lines are counted as an editor does.
-    assert!(answers[1]["error"]["message"].as_str().unwrap().starts_with("line 2, column 1: "));
-    assert_eq!(answers[2]["error"]["fields"][0]["field"], "axes[0].goal.velocity");
-    assert_eq!(answers[10]["error"]["metadata"]["line"], "12");
-    assert_eq!(answers[11]["plan"]["axes"][0]["reached"]["position"], -0.1);
-}
-
-#[test]
-fn a_batch_answers_before_it_is_asked_again() {
-    use std::io::{BufRead as _, BufReader};
-    let mut child = Command::new(env!("CARGO_BIN_EXE_portamento"))
-        .args(["plan", "--batch", "-"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    let mut answers = BufReader::new(child.stdout.take().unwrap()).lines();
-    for distance in [0.05, 0.1] {
-        writeln!(stdin, "{}", request(distance)).unwrap();
-        let answer: Value = serde_json::from_str(&answers.next().unwrap().unwrap()).unwrap();
-        assert_eq!(answer["plan"]["axes"][0]["reached"]["position"], distance);
-    }
-    // The reader goes: a quiet end.
-    drop(answers);
-    for _ in 0..100 {
-        if writeln!(stdin, "{}", request(0.05)).is_err() {
-            break;
-        }
-    }
-    drop(stdin);
-    assert!(child.wait().unwrap().success());
 }
 
 #[test]
@@ -488,77 +341,4 @@ fn a_plot_is_written() {
     plan(&["--distance", "0.05", "--plot", text(&file)]).with(0);
     let svg = std::fs::read_to_string(&file).unwrap();
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{svg}");
-}
-
-/// Bui, Le and Doan (2021): five hundred moves solved at 60 digits, under three policies each, all in one run. The
-/// tolerances are those of the planner's own test: of the total duration, and of the position.
-#[test]
-fn a_batch_of_every_reference_move() {
-    const DURATION: f64 = 1e-12;
-    const POSITION: f64 = 1e-13;
-    let vectors = include_str!("../../planner/tests/vectors/eight_type.json");
-    let records: Vec<Value> = serde_json::from_str(vectors).unwrap();
-    let policies = [("strict", "REJECT"), ("closest", "NEAREST_VELOCITY"), ("paper", "MATCH_START_VELOCITY")];
-    let questions: Vec<(&Value, &str, &str)> = records
-        .iter()
-        .flat_map(|record| policies.map(|(answers, policy)| (record, answers, policy)))
-        .collect();
-    let lines: Vec<String> = questions
-        .iter()
-        .map(|(record, _, policy)| {
-            json!({
-                "axes": [{
-                    "axis": "x",
-                    "kind": "AXIS_KIND_PRISMATIC",
-                    "start": {"velocity": record["v_s"]},
-                    "goal": {"position": record["s"], "velocity": record["v_e"]},
-                    "limits": {
-                        "maxVelocity": record["v_cf"],
-                        "maxAcceleration": record["a_max"],
-                        "maxJerk": record["j_max"],
-                    },
-                }],
-                "shortPathPolicy": format!("SHORT_PATH_POLICY_{policy}"),
-            })
-            .to_string()
-        })
-        .collect();
-    let answers = batch(&lines).with(0).lines();
-    assert_eq!(answers.len(), questions.len());
-    for ((record, answers_of, policy), answer) in questions.iter().zip(&answers) {
-        let name = format!("record {} ({policy})", record["id"]);
-        let expected = &record[answers_of];
-        if expected["feasible"] == false {
-            assert_eq!(answer["error"]["reason"], "PATH_TOO_SHORT", "{name}");
-            let needed: f64 = answer["error"]["metadata"]["needed"].as_str().unwrap().parse().unwrap();
-            let least = record["min_length"].as_f64().unwrap();
-            assert!((needed.abs() - least).abs() <= 1e-12 * least, "{name}: {needed} {least}");
-            continue;
-        }
-        let plan = &answer["plan"];
-        assert_eq!(plan["certificate"]["passed"], true, "{name}");
-        let total = expected["total"].as_f64().unwrap();
-        let axis = &plan["axes"][0];
-        if expected["times_ambiguous"] == false {
-            let duration = plan["duration"].as_f64().unwrap();
-            assert!((duration - total).abs() <= DURATION * total, "{name}: {duration} {total}");
-            let lasting = |times: Vec<f64>| -> Vec<f64> {
-                times.into_iter().filter(|time| *time > DURATION * total).collect()
-            };
-            let ours = axis["segments"].as_array().unwrap().iter();
-            let ours = lasting(ours.map(|segment| segment["duration"].as_f64().unwrap()).collect());
-            let theirs = expected["T"].as_array().unwrap().iter();
-            let theirs = lasting(theirs.map(|time| time.as_f64().unwrap()).collect());
-            assert_eq!(ours.len(), theirs.len(), "{name}: {ours:?} {theirs:?}");
-            for (ours, theirs) in ours.iter().zip(&theirs) {
-                assert!((ours - theirs).abs() <= DURATION * total, "{name}: {ours} {theirs}");
-            }
-        }
-        if expected["type_ambiguous"] == false && expected["type"] != "0" {
-            assert_eq!(axis["classification"]["eightType"], expected["type"], "{name}");
-        }
-        let (reached, asked) = (axis["reached"]["position"].as_f64(), record["s"].as_f64());
-        let (reached, asked) = (reached.unwrap(), asked.unwrap());
-        assert!((reached - asked).abs() <= POSITION * asked.abs(), "{name}: {reached} {asked}");
-    }
 }
