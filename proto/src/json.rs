@@ -18,6 +18,7 @@ use prost_reflect::{
 use serde_json::Value;
 
 use crate::FILE_DESCRIPTOR_SET;
+use crate::transcript::Transcript;
 
 /// How JSON is written.
 ///
@@ -91,6 +92,12 @@ pub fn to_json_pretty<T: Message + Name>(message: &T) -> Result<String, JsonErro
 /// # Errors
 /// [`JsonError::Write`].
 pub fn to_json_with<T: Message + Name>(message: &T, style: JsonStyle) -> Result<String, JsonError> {
+    static TRANSCRIPT: LazyLock<Transcript> = LazyLock::new(|| Transcript::of(pool(), "motion.v1"));
+    if !style.indent
+        && let Some(text) = TRANSCRIPT.write(&T::full_name(), &message.encode_to_vec(), style.emit_defaults)
+    {
+        return Ok(text);
+    }
     let message = dynamic(message)?;
     let options = SerializeOptions::new().skip_default_fields(!style.emit_defaults);
     let mut text = Vec::new();
@@ -172,15 +179,22 @@ fn unreadable(error: serde_json::Error) -> JsonError {
 }
 
 #[expect(clippy::expect_used, reason = "depends on what was compiled in, never on what a peer sent; tested")]
-fn descriptor<T: Name>() -> MessageDescriptor {
+fn pool() -> &'static DescriptorPool {
     static POOL: LazyLock<DescriptorPool> = LazyLock::new(|| {
         DescriptorPool::decode(FILE_DESCRIPTOR_SET).expect("the checked-in descriptor set is valid")
     });
+    &POOL
+}
+
+#[expect(clippy::expect_used, reason = "depends on what was compiled in, never on what a peer sent; tested")]
+fn descriptor<T: Name>() -> MessageDescriptor {
     const {
         assert!(
             matches!(T::PACKAGE.as_bytes(), b"motion.v1"),
             "only messages of motion.v1 have a JSON form here"
         );
     }
-    POOL.get_message_by_name(&T::full_name()).expect("code and descriptor set are generated from one schema")
+    pool()
+        .get_message_by_name(&T::full_name())
+        .expect("code and descriptor set are generated from one schema")
 }

@@ -17,6 +17,7 @@ mod reason;
 mod sampling;
 mod status;
 pub mod stream;
+mod transcript;
 
 pub use convert::{
     Against, against, plan_as_it_is, plan_from_wire, plan_to_wire, request_from_wire, request_to_wire,

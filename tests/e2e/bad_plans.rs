@@ -263,9 +263,9 @@ async fn what_later_versions_do_is_said_not_to_be_done() {
     }
 }
 
-/// A plan in which somebody has changed one number.
+/// A plan in which somebody has changed one number, and taken out what that makes untrue of the whole.
 fn tampered(change: impl FnOnce(&mut pb::AxisPlan)) -> pb::Plan {
-    let mut plan = plan();
+    let mut plan = pb::Plan { fingerprint: vec![], cycle_count: 0, duration: 0.0, ..plan() };
     change(&mut plan.axes[0]);
     plan
 }
@@ -323,7 +323,7 @@ async fn what_is_not_a_plan_is_refused_with_its_path() {
         (
             "no time",
             tampered(|axis| axis.segments[1].duration = 0.0),
-            Reason::LimitNotPositive,
+            Reason::TimesNotIncreasing,
             "plan.axes[0].segments[1].duration",
         ),
         (
@@ -343,6 +343,32 @@ async fn what_is_not_a_plan_is_refused_with_its_path() {
             pb::Plan { evaluation_version: 99, ..plan() },
             Reason::PlanRejected,
             "plan.evaluation_version",
+        ),
+        ("a cycle more", pb::Plan { cycle_count: 315, ..plan() }, Reason::PlanRejected, "plan.cycle_count"),
+        ("twice as long", pb::Plan { duration: 1.0, ..plan() }, Reason::PlanRejected, "plan.duration"),
+        (
+            "a promise less",
+            pb::Plan { guaranteed: vec![2, 3], ..plan() },
+            Reason::PlanRejected,
+            "plan.guaranteed",
+        ),
+        (
+            "another method",
+            pb::Plan {
+                method: Some(pb::PlanMethod {
+                    family: pb::ProfileFamily::Trapezoidal as i32,
+                    ..Default::default()
+                }),
+                ..plan()
+            },
+            Reason::PlanRejected,
+            "plan.method.family",
+        ),
+        (
+            "of another",
+            pb::Plan { fingerprint: vec![1; 16], ..plan() },
+            Reason::PlanRejected,
+            "plan.fingerprint",
         ),
     ];
     for (name, plan, reason, field) in rows {
