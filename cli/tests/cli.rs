@@ -129,7 +129,19 @@ fn without_a_way_an_axis_stands_or_passes() {
 #[test]
 fn colours_are_for_terminals() {
     assert!(!plan(&["--distance", "0.05"]).with(0).out.contains('\x1b'));
-    assert!(plan(&["--distance", "0.05", "--color", "always"]).with(0).out.contains("\x1b[1m"));
+    let plain = plan(&["--distance", "0.05"]).with(0).out;
+    let painted = plan(&["--distance", "0.05", "--color", "always"]).with(0).out;
+    assert!(painted.contains("\x1b[1m"));
+    // Nothing but emphasis differs: lines break where they do without.
+    let bare: Vec<_> = painted
+        .split('\x1b')
+        .enumerate()
+        .map(|(index, part)| match part.split_once('m') {
+            Some((_, rest)) if index > 0 => rest,
+            _ => part,
+        })
+        .collect();
+    assert_eq!(bare.concat(), plain);
     // Nor does a name steer a terminal.
     assert!(!plan(&["--distance", "0.05", "--axis", "\x1b[31m"]).with(0).out.contains('\x1b'));
 }
@@ -333,6 +345,20 @@ fn nobody_at_the_endpoint_is_told() {
         let ran = plan(&["--distance", "0.05", "--endpoint", endpoint]).with(4);
         assert!(ran.err.contains("exit code 4") && ran.err.contains("--endpoint"), "{}", ran.err);
     }
+}
+
+/// As in the README, but as fast as it computes.
+#[test]
+fn the_demo_is_played_and_drawn() {
+    let file = place("demo").join("demo.svg");
+    let out = portamento(&["demo", "--virtual-time", "--plot", text(&file)], "").with(0).out;
+    let longest =
+        out.lines().filter(|line| !line.starts_with("Drawn in ")).map(|line| line.chars().count()).max();
+    assert!(longest <= Some(80), "{longest:?}:\n{out}");
+    for part in ["314 of 314, no underrun", "the digest is that of the plan", "Drawn in "] {
+        assert!(out.contains(part), "{part}: {out}");
+    }
+    assert!(std::fs::read_to_string(&file).unwrap().starts_with("<svg"));
 }
 
 #[test]

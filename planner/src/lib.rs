@@ -1,25 +1,27 @@
 //! Jerk-limited motion: from *where is it, where shall it go, what may it do* to a setpoint for every cycle.
 //!
-//! An axis that changes its acceleration at once shakes the machine that it moves. So acceleration may only grow as fast as the
-//! jerk limit lets it, and the fastest motion is then made of pieces of constant jerk, at most seven of them:
+//! An axis that changes its acceleration at once shakes the machine that it moves. So acceleration may only grow as fast
+//! as the jerk limit lets it, and the fastest motion is then made of pieces of constant jerk, at most seven of them:
 //!
 //! ```text
-//! velocity      │          ╭───────────────╮           limit of velocity
-//!               │        ╱                   ╲
-//!               │      ╱                       ╲
-//!               │   ╭─╯                         ╰─╮
-//!               └───┴──────────────────────────────┴── t
-//! acceleration  │   ╭────╮                             limit of acceleration
-//!               │ ╱        ╲_______________
-//!               └╱──────────────────────────╲        ╱ t
-//!               │                             ╲____╱
-//! jerk          │ +    0   −       0       −    0   +
-//! piece         │ 1    2   3       4       5    6   7
+//! velocity      │            ╭────────╮             ← limit of velocity
+//!               │          ╱            ╲
+//!               │       ╱                  ╲
+//!               ├───╯──────────────────────────╰──── t
+//! acceleration  │    ╭────╮                         ← limit of acceleration
+//!               │  ╱        ╲
+//!               ├╱────────────╲────────╲────────╱─── t
+//!               │                        ╲    ╱
+//!               │                         ╰──╯      ← limit of deceleration
+//! jerk            +     0    −     0    −   0   +
+//! piece           1     2    3     4    5   6   7
 //! ```
 //!
 //! A short path leaves pieces out, and so do speeds at the ends; which ones, and how long the others last, is what
 //! [`plan_move`] solves. [`certify`] then says whether it did: it recomputes from the pieces alone what the motion
 //! reaches, and knows nothing of how they were found.
+//!
+//! # One axis
 //!
 //! ```
 //! use planner::{CycleTime, Limits, Problem, ShortPathPolicy, State, plan_move, violations};
@@ -43,34 +45,57 @@
 //! # Ok::<(), planner::InvalidFields>(())
 //! ```
 //!
+//! # What cannot be done is refused
+//!
+//! With everything that is wrong, where it is, and the way out; in a text for people, and in numbers for programs:
+//!
+//! ```
+//! use planner::{Limits, Problem, ShortPathPolicy, State, Why, plan_move};
+//!
+//! let limits = Limits::symmetric(0.5, 2.0, 20.0)?;
+//! let at_speed = State { velocity: 0.5, ..State::at_rest(0.01) };
+//! let problem = Problem::new(State::at_rest(0.0), at_speed, limits, ShortPathPolicy::Reject)?;
+//! let refusal = plan_move(&problem).unwrap_err();
+//! assert_eq!(
+//!     refusal.to_string(),
+//!     "goal.velocity: the path of 0.01 is too short to change from the start to the end velocity, which needs 0.0875: \
+//!      lengthen it, end at a velocity of 0.12599210498948732, or name a short_path_policy"
+//! );
+//! assert!(matches!(refusal.as_slice()[0].why, Why::PathTooShort { .. }));
+//! # Ok::<(), planner::InvalidFields>(())
+//! ```
+//!
 //! # Notation, units, signs
 //!
-//! - Lengths are in *axis units*: metres, radians or pulses, whatever the caller moves in. All else follows: velocity in axis
-//!   units/s, acceleration in /s², jerk in /s³; time in seconds, [`CycleTime`] in nanoseconds. No tolerance is absolute, so every
-//!   unit is as good as another.
-//! - In formulas `p v a j t` are position, velocity, acceleration, jerk and time, `s` a length, `d` a change of speed. `A` and `J`
-//!   are the limits.
-//! - A [`State`] is signed. [`Limits`] are magnitudes: *acceleration* limits the growth of the speed and *deceleration* its
-//!   shrinking, in either direction.
-//! - A *setpoint* is the command for one cycle: a state, and the jerk that leads on from it. *Feed rate* is the speed that is asked
-//!   for along the way. A motion is *legal* if it keeps the limits, its pieces join and it arrives.
+//! - Lengths are in *axis units*: metres, radians or pulses, whatever the caller moves in. All else follows: velocity in
+//!   axis units/s, acceleration in /s², jerk in /s³; time in seconds, [`CycleTime`] in nanoseconds. No tolerance is
+//!   absolute, so every unit is as good as another.
+//! - In formulas `p v a j t` are position, velocity, acceleration, jerk and time, `s` a length, `d` a change of speed.
+//!   `A` and `J` are the limits.
+//! - A [`State`] is signed. [`Limits`] are magnitudes: *acceleration* limits the growth of the speed and *deceleration*
+//!   its shrinking, in either direction.
+//! - A *setpoint* is the command for one cycle: a state, and the jerk that leads on from it. *Feed rate* is the speed that
+//!   is asked for along the way. A motion is *legal* if it keeps the limits, its pieces join and it arrives.
 //! - Numbers reach from [`LEAST_LIMIT`] to [`GREATEST_MAGNITUDE`]. What is given is checked once, where it comes in
-//!   ([`Limits`], [`Problem`], [`Request`]); everything that is wrong with it is said at once, field by field ([`InvalidFields`]).
+//!   ([`Limits`], [`Problem`], [`Request`]); everything that is wrong with it is said at once, field by field
+//!   ([`InvalidFields`]).
 //!
 //! # The map, in the order in which to read it
 //!
-//! 1. [`State`], [`Segment`], [`Profile`]: where an axis is; one piece; pieces laid end to end. [`State::after`] is the one place where
-//!    the cubic is written.
+//! 1. [`State`], [`Segment`], [`Profile`]: where an axis is; one piece; pieces laid end to end. [`State::after`] is the
+//!    one place where the cubic is written.
 //! 2. [`Limits`], [`Problem`]: what may be asked. [`ShortPathPolicy`]: what to give up on a path too short.
-//! 3. [`plan_move`], [`Move`]: from a problem to its pieces, on the stack. Inside: the ramp between two speeds, the peak above
-//!    both, the nearest speed that a short path can reach. [`Classification`] names the shape as the papers do.
-//!    [`plan_trapezoid`] is the baseline: constant acceleration, and no limit on the jerk.
-//!    [`plan_polynomial`], [`plan_trigonometric`]: the same question for smoother motions, from rest to rest.
-//! 4. [`Request`], [`plan()`], [`Plan`], [`Sampler`]: several axes over one time base, read cycle by cycle.
-//! 5. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when. [`Judged`],
-//!    [`Accepted`]: a plan with both, and one that may be executed.
+//! 3. [`plan_move`], [`Move`]: from a problem to its pieces, on the stack. Inside: the ramp between two speeds, the peak
+//!    above both, the nearest speed that a short path can reach. [`Classification`] names the shape as the papers do.
+//! 4. The same question for other shapes: [`plan_trapezoid`] is the baseline, constant acceleration and no limit on the
+//!    jerk; [`plan_polynomial`] and [`plan_trigonometric`] are smoother, from rest to rest.
+//! 5. [`Request`], [`plan()`], [`Plan`], [`Sampler`]: several axes over one time base, read cycle by cycle.
+//! 6. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when.
+//!    [`Judged`], [`Accepted`]: a plan with both, and one that may be executed.
+//! 7. [`generator`], [`grid`]: without a plan. The stepped form for a control loop, and moves of whole cycles.
 //!
-//! The derivations and the decisions are in the repository's `notes/`, the laws that hold for every problem in `tests/laws.rs`.
+//! The derivations and the decisions are in the repository's `notes/`, the laws that hold for every problem in
+//! `tests/laws.rs`.
 //!
 //! # Features
 //!

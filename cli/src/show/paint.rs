@@ -117,8 +117,8 @@ pub(crate) fn wrapped(text: &str, indent: &str) -> String {
     let mut lines: Vec<String> = Vec::new();
     let mut line = String::new();
     for word in text.split(' ').filter(|word| !word.is_empty()) {
-        let used = indent.len() + line.chars().count();
-        if !line.is_empty() && used + 1 + word.chars().count() > WIDTH {
+        let used = indent.len() + visible(&line);
+        if !line.is_empty() && used + 1 + visible(word) > WIDTH {
             lines.push(std::mem::take(&mut line));
         }
         if !line.is_empty() {
@@ -129,4 +129,13 @@ pub(crate) fn wrapped(text: &str, indent: &str) -> String {
     lines.push(line);
     let lines: Vec<_> = lines.iter().map(|line| format!("{indent}{line}")).collect();
     lines.join("\n").replace('\u{a0}', " ")
+}
+
+/// What a text takes of a line [characters]: emphasis takes nothing.
+fn visible(text: &str) -> usize {
+    let mut parts = text.split('\x1b');
+    let first = parts.next().map_or(0, |part| part.chars().count());
+    // Each sequence of ours ends with the `m` of "select graphic rendition".
+    let after = |part: &str| part.split_once('m').map_or(0, |(_, rest)| rest.chars().count());
+    first + parts.map(after).sum::<usize>()
 }

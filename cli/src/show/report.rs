@@ -100,7 +100,7 @@ fn stream_report(screen: &mut Screen<'_>, plan: &Plan, stream: &StreamReport) ->
         (
             "batches",
             format!(
-                "{} refused, {} came twice, {} of an epoch that was over",
+                "{} refused, {} came twice, {} of a past epoch",
                 counters.refused_batches,
                 counted(counters.duplicate_cycles, "cycle"),
                 counters.stale_epochs
