@@ -86,7 +86,9 @@ fn lines_are_counted_as_an_editor_does() {
     let long = format!("{}{good}", " ".repeat(10 << 20));
     let plan = "plan";
     let unread = "PROTOCOL_ORDER";
-    let rows: Vec<(&str, Vec<u8>, Vec<(&str, &str)>)> = vec![
+    /// What it is, what is read, and what is answered: a reason and the line that it names.
+    type Row<'a> = (&'a str, Vec<u8>, Vec<(&'a str, &'a str)>);
+    let rows: Vec<Row<'_>> = vec![
         ("nothing", vec![], vec![]),
         ("blank lines alone", b"\n\r\n  \t\n\n".to_vec(), vec![]),
         ("no newline at the end", good.clone().into(), vec![(plan, "")]),

@@ -174,8 +174,8 @@ fn exit_codes_tell_why() {
     }
     plan(&["--distance", "0.05", "--output", "/nowhere/plan.json"]).with(1);
     portamento(&["plan", "--request", "-"], "{").with(2);
-    portamento(&["plan", "--request", "-"], &request(f64::MAX).to_string()).with(3);
-    portamento(&["plan", "--request", "-"], &request(0.05).to_string()).with(0);
+    portamento(&["plan", "--request", "-"], request(f64::MAX).to_string()).with(3);
+    portamento(&["plan", "--request", "-"], request(0.05).to_string()).with(0);
 }
 
 #[test]
@@ -200,7 +200,7 @@ fn a_plan_verifies_until_somebody_changes_it() {
     let failed = portamento(&["verify", "--plan", text(&tampered_file)], "").with(1);
     insta::assert_snapshot!("tampered", failed.out + &failed.err);
     tampered["cycleCount"] = json!(0);
-    let failed = portamento(&["verify", "--plan", "-", "--json"], &tampered.to_string()).with(1).json();
+    let failed = portamento(&["verify", "--plan", "-", "--json"], tampered.to_string()).with(1).json();
     assert_eq!(failed["certificate"]["passed"], false);
 
     let csv = place.join("tampered.csv");
