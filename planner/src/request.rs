@@ -3,6 +3,7 @@ use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidFields, Why};
 use crate::limits::not_finite;
+use crate::solve::note_speeds;
 use crate::{CycleTime, Limits, LimitsSpec, Problem, ShortPathPolicy, State};
 
 /// The most axes of one plan.
@@ -110,7 +111,7 @@ pub struct RequestSpec {
     pub synchronization: Result<Synchronization, Why>,
     /// The least duration of the plan \[s\].
     pub minimum_duration: Option<f64>,
-    /// Stretch to a whole number of cycles?
+    /// Stretch every axis's move to a whole number of cycles? From rest to rest.
     pub end_on_cycle: bool,
 }
 
@@ -134,6 +135,7 @@ pub struct Request {
     order: u32,
     short_path: ShortPathPolicy,
     synchronization: Synchronization,
+    end_on_cycle: bool,
 }
 
 impl Request {
@@ -172,6 +174,12 @@ impl Request {
     pub fn synchronization(&self) -> Synchronization {
         self.synchronization
     }
+
+    /// Is every axis to end on a cycle?
+    #[must_use]
+    pub fn end_on_cycle(&self) -> bool {
+        self.end_on_cycle
+    }
 }
 
 impl TryFrom<RequestSpec> for Request {
@@ -191,10 +199,9 @@ impl TryFrom<RequestSpec> for Request {
         let mut invalid = InvalidFields::default();
         let several = axes.len() > 1;
         invalid.note("family", family.as_ref().err().cloned());
-        let law = Shape { family: *family.as_ref().unwrap_or(&Family::SCurve), order };
+        let law = Shape { family: *family.as_ref().unwrap_or(&Family::SCurve), order, end_on_cycle };
         invalid.note("order", law.wrong_order());
         invalid.note("minimum_duration", minimum_duration.map(minimum_duration_gap));
-        invalid.note("end_on_cycle", end_on_cycle.then(end_on_cycle_gap));
         let policy = *short_path.as_ref().unwrap_or(&ShortPathPolicy::Reject);
         invalid.note("short_path_policy", short_path.err());
         let mode = *synchronization.as_ref().unwrap_or(&Synchronization::None);
@@ -205,7 +212,15 @@ impl TryFrom<RequestSpec> for Request {
             Some(cycle_time) if invalid.is_empty() => {
                 let Shape { family, .. } = law;
                 let order = law.order().unwrap_or_default();
-                Ok(Self { axes, cycle_time, family, order, short_path: policy, synchronization: mode })
+                Ok(Self {
+                    axes,
+                    cycle_time,
+                    family,
+                    order,
+                    short_path: policy,
+                    synchronization: mode,
+                    end_on_cycle,
+                })
             }
             _ => Err(invalid),
         }
@@ -269,7 +284,11 @@ fn checked_axis(
     let problem = match Limits::try_from(limits) {
         Ok(limits) => {
             invalid.extend_within(&Field::named("limits"), law.missing_limits(&limits));
-            invalid.take(&Field::default(), Problem::new(start, goal, limits, policy))
+            let problem = invalid.take(&Field::default(), Problem::new(start, goal, limits, policy));
+            if let Some(problem) = problem.as_ref().filter(|_| law.end_on_cycle) {
+                invalid.take(&Field::default(), note_speeds(problem));
+            }
+            problem
         }
         Err(inner) => {
             invalid.extend_within(&Field::named("limits"), inner);
@@ -283,11 +302,12 @@ fn checked_axis(
     }
 }
 
-/// A family with the order that was asked for.
+/// A family with the order that was asked for, and whether its moves are to end on a cycle.
 #[derive(Clone, Copy, Debug)]
 struct Shape {
     family: Family,
     order: Option<u32>,
+    end_on_cycle: bool,
 }
 
 impl Shape {
@@ -296,7 +316,7 @@ impl Shape {
     }
 
     fn wrong_order(self) -> Option<Why> {
-        let Self { family, order: given } = self;
+        let Self { family, order: given, .. } = self;
         match (family.order(), given) {
             (Some(order), Some(given)) if given != order => {
                 Some(Why::OrderOfFamily { given, family: family.name(), order })
@@ -333,11 +353,6 @@ impl Shape {
 fn minimum_duration_gap(given: f64) -> Why {
     let instead = "leave it out: the plan takes the least time";
     not_finite(given).unwrap_or(Why::NotImplemented { what: "a minimum duration", instead })
-}
-
-fn end_on_cycle_gap() -> Why {
-    let instead = "leave it out: the plan's last cycle is its end state, up to one cycle after the end";
-    Why::NotImplemented { what: "ending on a whole cycle", instead }
 }
 
 fn synchronization_gap(mode: Synchronization, several: bool) -> Option<Why> {
