@@ -26,6 +26,15 @@ pub(crate) enum Failure {
     /// The planner, or the server, says no.
     #[error("{0}")]
     Refused(Box<Rejected>),
+    /// What is to be compared is counted in different units.
+    #[error("the axes are of different kinds, so their units cannot be compared: compare axes of one kind")]
+    NotAlike,
+    /// No axis can be simulated like this.
+    #[error("axis {axis:?} cannot be simulated: {cause}")]
+    Simulation { axis: String, cause: sim_axis::InvalidConfig },
+    /// A file that does not say what an axis is made of.
+    #[error("{path} is not an AxisModel in proto3 JSON: {cause}", path = place(.path))]
+    NotAModel { path: PathBuf, cause: sim_axis::ModelFileError },
     /// Nobody answers.
     #[error(
         "{endpoint} does not answer, or what it needs does not: {cause}. Start it, or correct the address; plan, verify and sample also work without --endpoint"
@@ -42,7 +51,11 @@ impl Failure {
         match self {
             Self::ReaderGone => 0,
             Self::NotPassed | Self::Unwritable { .. } | Self::Internal(_) => 1,
-            Self::Unreadable { .. } | Self::NotAMessage { .. } => 2,
+            Self::Unreadable { .. }
+            | Self::NotAMessage { .. }
+            | Self::NotAModel { .. }
+            | Self::NotAlike
+            | Self::Simulation { .. } => 2,
             Self::Refused(_) => 3,
             Self::Unreachable { .. } => 4,
         }

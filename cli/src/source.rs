@@ -7,6 +7,7 @@ use std::path::Path;
 
 use planner::{InvalidFields, Plan, RequestSpec};
 use proto::{Against, JsonError, Reason, Rejected, pb};
+use sim_axis::AxisModel;
 
 use crate::failure::Failure;
 
@@ -38,6 +39,14 @@ fn wire_plan(path: &Path) -> Result<pb::Plan, Failure> {
     }
     let response = proto::from_json::<pb::PlanResponse>(&text).map_err(not_a("PlanResponse", path))?;
     Ok(response.plan.unwrap_or_default())
+}
+
+/// The axis that a file describes: the first, where there are several.
+pub(crate) fn axis_model(path: &Path) -> Result<AxisModel, Failure> {
+    let not_a_model = |cause| Failure::NotAModel { path: path.to_owned(), cause };
+    let models = sim_axis::models_from_json(&text(path)?).map_err(not_a_model)?;
+    // Where none is there, the one of all axes without a name.
+    Ok(models.iter().next().cloned().unwrap_or_else(|| models.of("")))
 }
 
 /// What a plan is to be held against, from the axes of a request.

@@ -41,7 +41,7 @@ fn unversioned(text: &str) -> String {
 
 #[test]
 fn help_teaches() {
-    for command in ["", "demo", "plan", "verify", "sample", "track", "explain"] {
+    for command in ["", "demo", "plan", "compare", "verify", "sample", "track", "explain"] {
         let args: Vec<&str> = [command, "--help"].into_iter().filter(|arg| !arg.is_empty()).collect();
         let help = portamento(&args, "").with(0).out;
         assert!(help.contains("Examples:"), "{help}");
@@ -367,4 +367,97 @@ fn a_plot_is_written() {
     plan(&["--distance", "0.05", "--plot", text(&file)]).with(0);
     let svg = std::fs::read_to_string(&file).unwrap();
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{svg}");
+}
+
+/// The move of Nguyen, Ng and Chen (2008), section 4: 50 mm at 60 mm/s. Their other limits are not known; with these every
+/// limit is reached.
+const PAPERS_MOVE: [&str; 8] =
+    ["--distance", "0.05", "--max-velocity", "0.06", "--max-acceleration", "0.6", "--max-jerk", "12"];
+
+fn compare(args: &[&str]) -> Ran {
+    portamento(&[&["compare"], args].concat(), "")
+}
+
+#[test]
+fn families_are_compared_on_one_axis() {
+    let plot = place("compare").join("families.svg");
+    let shown = compare(&[&PAPERS_MOVE[..], &["--plot", text(&plot)]].concat()).with(0).out;
+    insta::assert_snapshot!("compared", shown);
+    let svg = std::fs::read_to_string(plot).unwrap();
+    for part in ["Velocity [m/s]", "Following error [10⁻⁶ m]", "Load error [", "s-curve", "polynomial:5"]
+    {
+        assert!(svg.contains(part), "{part}");
+    }
+}
+
+/// What the paper found, figures 8 and 10: the higher the order the smaller the error, and cosines as good as order five.
+#[test]
+fn the_papers_finding_holds_on_the_linear_motor() {
+    let answer = compare(&[&PAPERS_MOVE[..], &["--json"]].concat()).with(0).json();
+    let moves = answer["moves"].as_array().unwrap();
+    let names: Vec<&str> = moves.iter().map(|one| one["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["s-curve", "polynomial:4", "polynomial:5", "trigonometric"]);
+    for what in ["maxFollowingError", "rmsFollowingError", "maxLoadError", "residualVibrationAmplitude"] {
+        let values: Vec<f64> = moves.iter().map(|one| one[what].as_f64().unwrap()).collect();
+        assert!(values[0] > values[1] && values[1] > values[2], "{what}: {values:?}");
+        assert!(values[3] <= values[2] * 1.05, "{what}: {values:?}");
+    }
+    // Snap 2·12²/0.6 and crackle 2·480²/12, which nobody gave, are said.
+    let chosen: Vec<(u64, f64)> = answer["chosenLimits"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|one| (one["order"].as_u64().unwrap(), one["limit"].as_f64().unwrap()))
+        .collect();
+    assert_eq!(chosen, [(4, 480.0), (5, 38_400.0)]);
+    let given = ["--max-snap", "480", "--families", "polynomial:4", "--json"];
+    let given = compare(&[&PAPERS_MOVE[..], &given].concat()).with(0).json();
+    assert_eq!(given["chosenLimits"], json!([]));
+    assert_eq!(given["moves"][0], moves[1]);
+}
+
+#[test]
+fn requests_from_files_are_compared() {
+    let place = place("compare");
+    let write = |name: &str, request: Value| {
+        let path = place.join(name);
+        std::fs::write(&path, request.to_string()).unwrap();
+        path
+    };
+    let mut cosine = request(0.05);
+    cosine["family"] = json!("PROFILE_FAMILY_TRIGONOMETRIC");
+    let mut turning = request(0.05);
+    turning["axes"][0]["kind"] = json!("AXIS_KIND_REVOLUTE");
+    let (plain, cosine, turning) =
+        (write("plain.json", request(0.05)), write("cosine.json", cosine), write("turning.json", turning));
+    let answer = compare(&["--request", text(&plain), text(&cosine), "--json"]).with(0).json();
+    assert_eq!(
+        (&answer["moves"][0]["name"], &answer["moves"][1]["family"]),
+        (&json!("plain"), &json!("TRIGONOMETRIC"))
+    );
+    let other = compare(&["--request", text(&plain), text(&turning)]).with(2);
+    assert!(other.err.contains("of different kinds"), "{}", other.err);
+    // On another axis: one that follows ideally.
+    let model = place.join("ideal.json");
+    std::fs::write(&model, "[{\"mechanics\": {\"ideal\": {}}}]").unwrap();
+    let ideal = compare(&["--request", text(&plain), "--model", text(&model), "--json"]).with(0).json();
+    assert_eq!(ideal["moves"][0]["maxFollowingError"], 0.0);
+    std::fs::write(&model, "[{\"noiseSeed\": \"x\"}]").unwrap();
+    let bad = compare(&["--request", text(&plain), "--model", text(&model)]).with(2);
+    assert!(bad.err.contains("is not an AxisModel"), "{}", bad.err);
+}
+
+#[test]
+fn what_cannot_be_compared_is_refused() {
+    let rows: [(&[&str], i32, &str); 5] = [
+        (&["--families", "polynomial"], 2, "polynomial:4"),
+        (&["--families", "cubic"], 2, "trigonometric"),
+        (&["--families", "s-curve:4"], 2, "only a polynomial"),
+        (&["--families", "polynomial:9"], 3, "ORDER_UNSUPPORTED"),
+        (&["--families", "trigonometric", "--end-velocity", "0.01"], 3, "STATE_NOT_AT_REST"),
+    ];
+    for (args, code, word) in rows {
+        let ran = compare(&[&PAPERS_MOVE[..], args].concat()).with(code);
+        assert!(ran.err.contains(word), "{}", ran.err);
+    }
 }

@@ -203,6 +203,14 @@ impl SixCase {
         }
     }
 
+    /// The case of a move over `distance` within the limits of velocity, acceleration and jerk, all > 0, of which its solver
+    /// knows whether the path takes the velocity: `s > 2a³/j²` and `v > a²/j`, multiplied out, since a quotient would round at the very
+    /// numbers that people type.
+    pub(crate) fn of_move(path_takes_velocity: bool, distance: f64, [v, a, j]: [f64; 3]) -> Self {
+        let square = a * a;
+        Self::of(path_takes_velocity, distance * j * j > 2.0 * square * a, v * j > square)
+    }
+
     /// The name in the paper: `A`, `B`, `C.1`, `C.2`, `D.1`, `D.2`.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -223,6 +231,12 @@ impl SixCase {
     }
 }
 
+impl core::fmt::Display for SixCase {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
 /// The names of a shape in the papers that the planner comes from; `None` where the paper does not cover the move.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Classification {
@@ -230,7 +244,8 @@ pub struct Classification {
     pub eight_type: Option<EightType>,
     /// Rest to rest, any limits: Li and Chen.
     pub asymmetric_type: Option<AsymmetricType>,
-    /// Rest to rest, equal limits: Blejan and Blejan.
+    /// Rest to rest, equal limits: Blejan and Blejan. Of cosine jerk, the case of the S-curve with half its jerk, whose
+    /// times it has.
     pub six_case: Option<SixCase>,
     /// The largest speed reached [axis units/s], a magnitude.
     pub feed_rate: f64,

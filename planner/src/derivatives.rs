@@ -61,6 +61,16 @@ impl Derivatives {
         Self { values: self.values.map(|value| 0.0 - value), ..self }
     }
 
+    /// Divided by `factor³`, `factor⁴` …
+    pub(crate) fn slowed(self, factor: f64) -> Self {
+        let mut divisor = factor * factor;
+        let slowed = |value: f64| {
+            divisor *= factor;
+            value / divisor
+        };
+        Self { values: self.values.map(slowed), ..self }
+    }
+
     /// Horner's scheme for all four words at once, highest derivative first, in this order and without fused multiply-add:
     ///
     /// ```text

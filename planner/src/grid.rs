@@ -1,4 +1,8 @@
-//! A move from rest to rest whose every switch falls on a cycle: the three times rounded up, the jerk lowered to fit.
+//! Moves from rest to rest that end on a cycle.
+//!
+//! # Every switch on a cycle
+//!
+//! The three times of an S-curve rounded up, the jerk lowered to fit.
 //!
 //! ```text
 //!          cycle  0     1     2     3     4     5     6     7     8
@@ -26,6 +30,22 @@
 //!
 //! The price is less than four cycles: `n_j` and `n_a` grow by less than one each, `n_v` by less than one or by what both do.
 //!
+//! *Two ramps that differ* ([`plan_move`]), since speeding up and slowing down have limits of their own: with `u = n_j + n_a` cycles for
+//! the one, `d` for the other and `n_c` for the cruise the distance is `v′·(u/2 + n_c + d/2)·Ts`, for a ramp takes its
+//! half of the peak on the mean. With both ramps rounded up,
+//!
+//! ```text
+//! n_c = max(0, ⌈(t_u/2 + t_c + t_d/2)/Ts − (u + d)/2⌉)      v′ = s/((u/2 + n_c + d/2)·Ts) ≤ v      J′ = v′/(n_j·n_a·Ts²)
+//! ```
+//!
+//! and each ramp keeps its limits: `J′ ≤ v/(t_j·t_a) ≤ J`, and its acceleration `v′/(n_a·Ts) ≤ v/t_a`. Equal ramps have
+//! `n_v = n_j + n_a + n_c`, and the formulas above. The price is again less than four cycles.
+//!
+//! # The end alone
+//!
+//! A motion of any family is slowed as a whole ([`slowed`]): `λ = n·Ts/T` times the time divides derivative k by `λᵏ`. That costs
+//! less than one cycle.
+//!
 //! Source: the idea that a jerk is a vector with a time resolution of one cycle is from Blejan and Blejan (2020), section 5, who round
 //! the times and keep the jerk, and so end 0.2 and 0.27 mm short of 50 mm.
 //!
@@ -42,9 +62,12 @@
 
 use arrayvec::ArrayVec;
 
-use crate::float::least;
+use crate::error::{Field, InvalidFields, Why};
+use crate::float::{largest, least};
 use crate::generator::{AxisLimits, Shape, seen_from_the_end};
-use crate::{CycleTime, LAST_CYCLE, Law, Limits, MAX_PIECES, Segment, State};
+use crate::{CycleTime, LAST_CYCLE, Law, Limits, MAX_PIECES, Profile, Segment, State};
+
+pub use crate::solve::plan_move_on_cycles as plan_move;
 
 /// A move that switches and ends on whole cycles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +79,50 @@ pub struct WholeCycles {
     cycle_time: CycleTime,
     /// The same in seconds, and J′.
     shape: Shape,
+}
+
+/// A ramp that was rounded up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct RampCycles {
+    /// n_j and n_a.
+    pub(crate) jerk: u64,
+    pub(crate) acceleration: u64,
+}
+
+impl RampCycles {
+    /// The ramp whose jerk lasts `jerk_time`, and goes on the other way `acceleration_time` after its beginning \[s\].
+    pub(crate) fn of(jerk_time: f64, acceleration_time: f64, cycle_time: CycleTime) -> Option<Self> {
+        let jerk = cycles(jerk_time, cycle_time)?;
+        let acceleration = cycles(acceleration_time, cycle_time)?.max(jerk);
+        Some(Self { jerk, acceleration })
+    }
+
+    /// How long the ramp lasts.
+    pub(crate) fn total(self) -> u64 {
+        self.jerk + self.acceleration
+    }
+}
+
+/// A time in whole cycles, at least one: a move without any length still takes its cycles. A time that is whole but for its
+/// roundings is whole.
+fn cycles(seconds: f64, cycle_time: CycleTime) -> Option<u64> {
+    cycle_time.count(seconds).map(|count| count.max(1))
+}
+
+/// `profile`, a motion from rest to rest, slowed so that it lasts a whole number of cycles; and by what factor.
+///
+/// # Errors
+/// [`Why::TooManyCycles`] where they cannot be counted.
+pub fn slowed(profile: &Profile, cycle_time: CycleTime) -> Result<(Profile, f64), InvalidFields> {
+    let seconds = profile.duration();
+    let too_many = || InvalidFields::one(Field::default(), Why::TooManyCycles { seconds });
+    let whole = cycle_time.start_of(cycle_time.count(seconds).ok_or_else(too_many)?);
+    if whole == 0.0 {
+        return Ok((profile.clone(), 1.0));
+    }
+    // One that is whole but for its roundings may be long by them.
+    let factor = largest(1.0, whole / seconds);
+    Ok((profile.slowed(factor).lasting(whole), factor))
 }
 
 /// The fastest move of its kind over `distance` [axis units], signed. `None` where there is nothing to go, where `limits`
@@ -84,11 +151,9 @@ impl WholeCycles {
         limits: &AxisLimits<f64>,
         cycle_time: CycleTime,
     ) -> Option<Self> {
-        // A time that is whole but for its roundings is whole; a move without any length still takes its cycles.
-        let cycles = |seconds| cycle_time.count(seconds).map(|count| count.max(1));
-        let jerk_cycles = cycles(fastest.jerk_time)?;
-        let acceleration_cycles = cycles(fastest.acceleration_time)?.max(jerk_cycles);
-        let velocity_cycles = cycles(fastest.velocity_time)?.max(jerk_cycles + acceleration_cycles);
+        let ramp = RampCycles::of(fastest.jerk_time, fastest.acceleration_time, cycle_time)?;
+        let RampCycles { jerk: jerk_cycles, acceleration: acceleration_cycles } = ramp;
+        let velocity_cycles = cycles(fastest.velocity_time, cycle_time)?.max(ramp.total());
         if jerk_cycles + acceleration_cycles + velocity_cycles > LAST_CYCLE {
             return None;
         }

@@ -5,7 +5,7 @@ use crate::error::{Field, InvalidFields, Why};
 use crate::request::{AxisKind, AxisMove, Family, Request, Synchronization};
 use crate::solve::{Adjustment, AdjustmentReason, Move, plan_move, plan_stop, plan_trapezoid};
 use crate::{Classification, Cursor, CycleTime, Limits, Profile, Quantity, Setpoint, ShortPathPolicy, State};
-use crate::{plan_polynomial, plan_trigonometric};
+use crate::{grid, plan_polynomial, plan_trigonometric};
 
 /// How a plan was made, so that an operation on it can be planned the same way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -281,7 +281,7 @@ pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
         order: request.order(),
         short_path: request.short_path(),
         synchronization: request.synchronization(),
-        end_on_cycle: false,
+        end_on_cycle: request.end_on_cycle(),
     };
     let plan = Plan::new(method, method.promises().to_vec(), request.cycle_time(), axes)?;
     if plan.duration < request.minimum_duration() {
@@ -294,15 +294,25 @@ pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
 
 fn plan_axis(axis: &AxisMove, request: &Request) -> Result<AxisPlan, InvalidFields> {
     let AxisMove { axis, kind, problem } = axis;
-    let (profile, adjustments, classification) = match request.family() {
+    let cycle_time = request.end_on_cycle().then_some(request.cycle_time());
+    let (profile, adjustments, mut classification) = match request.family() {
         Family::Polynomial => {
             let planned = plan_polynomial(problem, request.order())?;
             (planned.to_profile(), planned.adjustments().to_vec(), planned.classification())
         }
         Family::Trigonometric => laid(&plan_trigonometric(problem)?),
-        Family::SCurve => laid(&plan_move(problem)?),
+        Family::SCurve => match cycle_time {
+            Some(cycle_time) => laid(&grid::plan_move(problem, cycle_time)?),
+            None => laid(&plan_move(problem)?),
+        },
         Family::Trapezoidal => laid(&plan_trapezoid(problem)?),
     };
+    // The S-curve ends on a cycle already, and with it each of its pieces.
+    let (profile, factor) = match cycle_time.filter(|_| request.family() != Family::SCurve) {
+        Some(cycle_time) => grid::slowed(&profile, cycle_time)?,
+        None => (profile, 1.0),
+    };
+    classification.feed_rate /= factor;
     Ok(AxisPlan {
         axis: axis.clone(),
         kind: *kind,

@@ -66,12 +66,40 @@ impl Profile {
         Cursor::new(self).at(t)
     }
 
+    /// The same way in `factor ≥ 1` times the time, for a motion from rest to rest: every derivative of order k is divided by
+    /// `factorᵏ`, so that whatever limit was kept still is.
+    #[must_use]
+    pub fn slowed(&self, factor: f64) -> Self {
+        let slowed = |segment: &Segment| segment.slowed(factor);
+        Self::new(self.segments.iter().map(slowed).collect(), self.end)
+    }
+
+    /// The same motion, lasting `duration` \[s\], of which it is some roundings short or long.
+    pub(crate) fn lasting(self, duration: f64) -> Self {
+        let Self { mut segments, end, .. } = self;
+        let mut durations: Vec<f64> = segments.iter().map(|segment| segment.duration).collect();
+        add_up(&mut durations, duration);
+        for (segment, duration) in segments.iter_mut().zip(durations) {
+            segment.duration = duration;
+        }
+        Self::new(segments, end)
+    }
+
     /// The same motion with `more` after it.
     #[must_use]
     pub fn followed_by(&self, more: &Profile) -> Self {
         let mut segments = self.segments.clone();
         segments.extend_from_slice(&more.segments);
         Self::new(segments, more.end)
+    }
+}
+
+/// Makes the running sum of `durations` come to `total`, of which it is some roundings short or long, to the last bit or two, by a
+/// change of the longest, where it is worth least.
+pub(crate) fn add_up(durations: &mut [f64], total: f64) {
+    let sum = durations.iter().fold(0.0, |sum, duration| sum + duration);
+    if let Some(longest) = durations.iter_mut().max_by(|a, b| a.total_cmp(b)) {
+        *longest += total - sum;
     }
 }
 

@@ -3,6 +3,7 @@ use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidFields, Why};
 use crate::limits::not_finite;
+use crate::solve::note_speeds;
 use crate::{CycleTime, Limits, LimitsSpec, Problem, ShortPathPolicy, State};
 
 /// The most axes of one plan.
@@ -110,7 +111,7 @@ pub struct RequestSpec {
     pub synchronization: Result<Synchronization, Why>,
     /// The least duration of the plan \[s\], ≥ 0; `None` and 0 ask nothing.
     pub minimum_duration: Option<f64>,
-    /// Stretch to a whole number of cycles?
+    /// Stretch every axis's move to a whole number of cycles? From rest to rest.
     pub end_on_cycle: bool,
 }
 
@@ -135,6 +136,7 @@ pub struct Request {
     short_path: ShortPathPolicy,
     synchronization: Synchronization,
     minimum_duration: f64,
+    end_on_cycle: bool,
 }
 
 impl Request {
@@ -179,6 +181,12 @@ impl Request {
     pub fn minimum_duration(&self) -> f64 {
         self.minimum_duration
     }
+
+    /// Is every axis to end on a cycle?
+    #[must_use]
+    pub fn end_on_cycle(&self) -> bool {
+        self.end_on_cycle
+    }
 }
 
 impl TryFrom<RequestSpec> for Request {
@@ -198,11 +206,10 @@ impl TryFrom<RequestSpec> for Request {
         let mut invalid = InvalidFields::default();
         let several = axes.len() > 1;
         invalid.note("family", family.as_ref().err().cloned());
-        let law = Shape { family: *family.as_ref().unwrap_or(&Family::SCurve), order };
+        let law = Shape { family: *family.as_ref().unwrap_or(&Family::SCurve), order, end_on_cycle };
         invalid.note("order", law.wrong_order());
         let minimum_duration = minimum_duration.unwrap_or_default();
         invalid.note("minimum_duration", wrong_duration(minimum_duration));
-        invalid.note("end_on_cycle", end_on_cycle.then(end_on_cycle_gap));
         let policy = *short_path.as_ref().unwrap_or(&ShortPathPolicy::Reject);
         invalid.note("short_path_policy", short_path.err());
         let mode = *synchronization.as_ref().unwrap_or(&Synchronization::None);
@@ -213,8 +220,16 @@ impl TryFrom<RequestSpec> for Request {
             Some(cycle_time) if invalid.is_empty() => {
                 let Shape { family, .. } = law;
                 let order = law.order().unwrap_or_default();
-                let (short_path, synchronization) = (policy, mode);
-                Ok(Self { axes, cycle_time, family, order, short_path, synchronization, minimum_duration })
+                Ok(Self {
+                    axes,
+                    cycle_time,
+                    family,
+                    order,
+                    short_path: policy,
+                    synchronization: mode,
+                    minimum_duration,
+                    end_on_cycle,
+                })
             }
             _ => Err(invalid),
         }
@@ -278,7 +293,11 @@ fn checked_axis(
     let problem = match Limits::try_from(limits) {
         Ok(limits) => {
             invalid.extend_within(&Field::named("limits"), law.missing_limits(&limits));
-            invalid.take(&Field::default(), Problem::new(start, goal, limits, policy))
+            let problem = invalid.take(&Field::default(), Problem::new(start, goal, limits, policy));
+            if let Some(problem) = problem.as_ref().filter(|_| law.end_on_cycle) {
+                invalid.take(&Field::default(), note_speeds(problem));
+            }
+            problem
         }
         Err(inner) => {
             invalid.extend_within(&Field::named("limits"), inner);
@@ -292,11 +311,12 @@ fn checked_axis(
     }
 }
 
-/// A family with the order that was asked for.
+/// A family with the order that was asked for, and whether its moves are to end on a cycle.
 #[derive(Clone, Copy, Debug)]
 struct Shape {
     family: Family,
     order: Option<u32>,
+    end_on_cycle: bool,
 }
 
 impl Shape {
@@ -305,7 +325,7 @@ impl Shape {
     }
 
     fn wrong_order(self) -> Option<Why> {
-        let Self { family, order: given } = self;
+        let Self { family, order: given, .. } = self;
         match (family.order(), given) {
             (Some(order), Some(given)) if given != order => {
                 Some(Why::OrderOfFamily { given, family: family.name(), order })
@@ -341,11 +361,6 @@ impl Shape {
 
 fn wrong_duration(given: f64) -> Option<Why> {
     not_finite(given).or((given < 0.0).then_some(Why::DurationNotPositive { given }))
-}
-
-fn end_on_cycle_gap() -> Why {
-    let instead = "leave it out: the plan's last cycle is its end state, up to one cycle after the end";
-    Why::NotImplemented { what: "ending on a whole cycle", instead }
 }
 
 fn synchronization_gap(mode: Synchronization, several: bool) -> Option<Why> {

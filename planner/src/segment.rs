@@ -99,6 +99,19 @@ impl Segment {
         self.at(self.duration).state
     }
 
+    /// The same way in `factor` times the time: each derivative of order k is divided by `factorᵏ`.
+    pub(crate) fn slowed(&self, factor: f64) -> Self {
+        let State { position, velocity, acceleration } = self.start;
+        let square = factor * factor;
+        let start = State { position, velocity: velocity / factor, acceleration: acceleration / square };
+        let law = match self.law {
+            Law::ConstantJerk(jerk) => Law::ConstantJerk(jerk / (square * factor)),
+            Law::Polynomial(derivatives) => Law::Polynomial(derivatives.slowed(factor)),
+            Law::CosineJerk { peak } => Law::CosineJerk { peak: peak / (square * factor) },
+        };
+        Self { duration: self.duration * factor, start, law }
+    }
+
     /// Position and its derivatives `t` seconds after the segment's start, each at the index of its order.
     #[must_use]
     pub fn derivatives(&self, t: f64) -> [f64; MAX_ORDER + 1] {

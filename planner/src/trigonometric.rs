@@ -8,9 +8,9 @@ use core::f64::consts::TAU;
 
 use arrayvec::ArrayVec;
 
-use crate::classify::Classification;
+use crate::classify::{Classification, SixCase};
 use crate::error::InvalidFields;
-use crate::float::{largest, least, sqrt};
+use crate::float::{cbrt, largest, least, sqrt};
 use crate::polynomial::note_motion;
 use crate::solve::{MAX_PIECES, Move, Piece, feed_rate_above_limit};
 use crate::{Problem, State};
@@ -51,9 +51,11 @@ pub fn plan_trigonometric(problem: &Problem) -> Result<Move, InvalidFields> {
     let distance = problem.distance().abs();
     if distance > 0.0 {
         let acceleration = least(limits.acceleration(), limits.deceleration());
-        let times = Times::of(distance, limits.cruise_towards(direction), acceleration, 0.5 * peak);
-        let top = 0.5 * peak * times.pulse * (times.pulse + times.hold);
-        planned.classify(Classification { feed_rate: top, ..Classification::default() });
+        let bounds = [limits.cruise_towards(direction), acceleration, 0.5 * peak];
+        let (times, reaches_cruise) = Times::of(distance, bounds);
+        let feed_rate = 0.5 * peak * times.pulse * (times.pulse + times.hold);
+        let six_case = Some(SixCase::of_move(reaches_cruise, distance, bounds));
+        planned.classify(Classification { six_case, ..Classification::of_speed(feed_rate) });
         lay(planned.pieces(), &times, start.position, goal.position, direction * peak);
     }
     Ok(planned)
@@ -68,16 +70,19 @@ struct Times {
 }
 
 impl Times {
-    /// The third-order profile from rest to rest at the mean jerk: Blejan and Blejan (2020) without their six cases. The
-    /// first length is the least that a limit or the distance allows, the second the least beyond that, and the third is left.
-    fn of(distance: f64, velocity: f64, acceleration: f64, jerk: f64) -> Self {
+    /// The third-order profile from rest to rest within the limits of velocity, acceleration and mean jerk: Blejan and Blejan
+    /// (2020) without their six cases; and whether the path takes the velocity. The first length is the least that a limit or
+    /// the distance allows, the second the least beyond that, and the third is left.
+    fn of(distance: f64, [velocity, acceleration, jerk]: [f64; 3]) -> (Self, bool) {
         let mut pulse = acceleration / jerk;
-        if jerk * pulse * pulse > velocity {
+        let velocity_is_low = jerk * pulse * pulse >= velocity;
+        if velocity_is_low {
             pulse = sqrt(velocity / jerk);
         }
-        if 2.0 * jerk * pulse * pulse * pulse >= distance {
-            let pulse = libm::cbrt(0.5 * distance / jerk);
-            return Self { pulse, hold: 0.0, cruise: 0.0 };
+        let two_ramps = 2.0 * jerk * pulse * pulse * pulse;
+        if two_ramps >= distance {
+            let pulse = cbrt(0.5 * distance / jerk);
+            return (Self { pulse, hold: 0.0, cruise: 0.0 }, velocity_is_low && two_ramps <= distance);
         }
         let rate = jerk * pulse;
         let area = distance / rate;
@@ -86,10 +91,10 @@ impl Times {
         if reach * (pulse + reach) <= area {
             let ramp = largest(pulse, reach);
             let cruise = largest(0.0, area / ramp - (pulse + ramp));
-            return Self { pulse, hold: ramp - pulse, cruise };
+            return (Self { pulse, hold: ramp - pulse, cruise }, true);
         }
         let ramp = largest(pulse, 2.0 * area / (pulse + sqrt(pulse * pulse + 4.0 * area)));
-        Self { pulse, hold: ramp - pulse, cruise: 0.0 }
+        (Self { pulse, hold: ramp - pulse, cruise: 0.0 }, false)
     }
 }
 

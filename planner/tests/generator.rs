@@ -136,7 +136,7 @@ fn the_six_cases_at_sixty_digits() {
         let generator = record.generator();
         let shape = generator.shape().unwrap();
         if !record.type_ambiguous || record.is_example() {
-            assert_eq!(generator.case().unwrap().name(), record.case, "record {id}");
+            assert_eq!(generator.case().unwrap().name().replace('.', ""), record.case, "record {id}");
         }
         let time =
             |name: &str, ours, theirs| close(&format!("record {id}, {name}"), ours, theirs, DURATION * total);

@@ -191,8 +191,6 @@ fn everything_that_is_wrong_is_said_at_once() {
         &[
             "order: asks for order 4: the family TRAPEZOIDAL has order 2, so leave it out or choose POLYNOMIAL",
             "minimum_duration: is NaN: give a finite number of at most 1e60 in magnitude",
-            "end_on_cycle: ending on a whole cycle is not implemented: leave it out: the plan's last cycle is its end \
-             state, up to one cycle after the end",
             "short_path_policy: is 7, which this version does not know: choose one of REJECT",
             "synchronization: synchronization of several axes is not implemented: choose SYNCHRONIZATION_NONE: each \
              axis ends by itself and rests",

@@ -22,6 +22,7 @@ struct Record {
     v_max: f64,
     a_max: f64,
     j_peak: f64,
+    case: String,
     #[serde(rename = "T")]
     durations: [f64; 7],
     total: f64,
@@ -37,12 +38,15 @@ fn close(name: &str, ours: f64, expected: f64, tolerance: f64) {
 }
 
 fn check(record: &Record, direction: f64) {
-    let Record { id, s, v_max, a_max, j_peak, durations, total, a_peak, v_peak, samples } = record;
+    let Record { id, s, v_max, a_max, j_peak, case, durations, total, a_peak, v_peak, samples } = record;
     let problem = polynomial_problem(0.0, direction * s, &[*v_max, *a_max, *j_peak]);
     let planned = plan_trigonometric(&problem).unwrap();
     let name = format!("record {id}");
     close(&name, planned.duration(), *total, DURATION * total);
     close(&name, planned.classification().feed_rate, *v_peak, DERIVATIVE * v_peak);
+    // The records leave the point out: `C1` is `C.1`.
+    let six_case = planned.classification().six_case.map(|case| case.name().replace('.', ""));
+    assert_eq!(six_case.as_deref(), Some(case.as_str()), "{name}");
     let ours: Vec<f64> =
         planned.segments().iter().map(|piece| piece.duration).filter(|&t| t > DURATION * total).collect();
     let expected: Vec<f64> = durations.iter().copied().filter(|&t| t > DURATION * total).collect();

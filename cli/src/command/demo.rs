@@ -8,11 +8,14 @@ use planner::{
 use proto::Digest;
 use serde_json::json;
 use server::Server;
-use sim_axis::{AxisModel, Clock, TrackRequest, Tracking, TrackingReport};
+use sim_axis::{AxisModel, Clock, TrackRequest, Tracking, TrackingReport, default_settle_tolerance};
 use tokio::sync::oneshot;
 
-use crate::args::DemoArgs;
+use crate::args::{DemoArgs, Law};
+use crate::command::compare::{Watched, families};
 use crate::failure::Failure;
+use crate::service::Service;
+use crate::show::compared;
 use crate::show::paint::Screen;
 use crate::show::plot::{self, Tracked};
 use crate::show::watch::Watch;
@@ -36,12 +39,18 @@ pub(crate) fn run(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(), Failur
     let (judged, outcome) = runtime.block_on(play(args, screen))?;
     draw(&args.plot, &judged, &outcome.tracked)?;
     let Outcome { report, undisturbed, .. } = outcome;
+    let model = AxisModel::flexible("x");
+    let watched =
+        Watched { model: &model, settle_tolerance: Some(default_settle_tolerance(AxisKind::Prismatic)) };
+    let (families, chosen) =
+        families(&Service::InProcess, &fifty_millimetres(), &Law::OF_THE_PAPER, watched)?;
     if screen.json {
         let answer = json!({
             "report": messages::tracking_report(&report)?,
             "failovers": report.stream.failovers,
             "digest": u64::from(report.stream.digest).to_string(),
             "undisturbedDigest": u64::from(undisturbed).to_string(),
+            "families": compared::json(&families, &chosen.limits()),
         });
         writeln!(screen.out, "{answer}")?;
     } else {
@@ -52,6 +61,9 @@ pub(crate) fn run(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(), Failur
             screen.paint.bad(&format!("the digest of the plan is {undisturbed}"))
         };
         writeln!(screen.out, "  {same}")?;
+        writeln!(screen.out, "\n{}", screen.paint.heading("The same move by other families"))?;
+        compared::table(screen, &families)?;
+        compared::chosen_limits(screen, AxisKind::Prismatic, &chosen.limits())?;
         writeln!(screen.out, "\nDrawn in {}.", args.plot.display())?;
     }
     if report.stream.digest == undisturbed {

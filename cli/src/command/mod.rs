@@ -1,5 +1,6 @@
 //! One file for each subcommand.
 
+mod compare;
 mod demo;
 mod explain;
 mod plan;
@@ -28,6 +29,7 @@ pub(crate) fn run() -> u8 {
     let done = match &command {
         Command::Demo(args) => demo::run(args, &mut screen),
         Command::Plan(args) => plan::run(args, endpoint, &mut screen),
+        Command::Compare(args) => compare::run(args, endpoint, &mut screen),
         Command::Verify(args) => verify::run(args, endpoint, &mut screen),
         Command::Sample(args) => sample::run(args, endpoint, &mut screen),
         Command::Track(args) => track::run(args, endpoint, &mut screen),

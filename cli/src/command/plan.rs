@@ -21,7 +21,9 @@ pub(crate) fn run(args: &PlanArgs, endpoint: Option<&str>, screen: &mut Screen<'
     }
     let judged = match &args.request {
         Some(path) => service.plan(source::request(path)?)?,
-        None => service.plan(args.one.to_spec()).map_err(|failure| in_flags(failure, screen.json))?,
+        None => service
+            .plan(args.one.to_spec(args.law.law()))
+            .map_err(|failure| in_flags(failure, screen.json))?,
     };
     if let Some(path) = &args.output {
         let text = json::plan_file(&judged)? + "\n";
@@ -65,7 +67,7 @@ fn answer_line(answer: Result<Judged, Rejected>) -> String {
 }
 
 /// A refusal in the words of the command line. Programs get the fields of the schema.
-fn in_flags(failure: Failure, json: bool) -> Failure {
+pub(super) fn in_flags(failure: Failure, json: bool) -> Failure {
     match failure {
         Failure::Refused(mut rejected) if !json => {
             for violation in &mut rejected.fields {

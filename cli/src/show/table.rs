@@ -356,7 +356,7 @@ fn fitted(table: impl Fn(i32) -> Table) -> Table {
 
 /// Columns of text, each as wide as its widest cell.
 #[derive(Debug)]
-struct Table {
+pub(crate) struct Table {
     columns: Vec<Column>,
     verdicts: Vec<Verdict>,
     /// Between columns.
@@ -405,11 +405,11 @@ impl Verdict {
 }
 
 impl Table {
-    fn right(&mut self, heading: &str, unit: &str, cells: Vec<String>) {
+    pub(crate) fn right(&mut self, heading: &str, unit: &str, cells: Vec<String>) {
         self.push(heading, unit, cells, true);
     }
 
-    fn left(&mut self, heading: &str, unit: &str, cells: Vec<String>) {
+    pub(crate) fn left(&mut self, heading: &str, unit: &str, cells: Vec<String>) {
         self.push(heading, unit, cells, false);
     }
 
@@ -431,7 +431,7 @@ impl Table {
             + verdicts
     }
 
-    fn render(&self, paint: Paint) -> String {
+    pub(crate) fn render(&self, paint: Paint) -> String {
         let mut text = String::new();
         let rows = self.columns.first().map_or(0, |column| column.cells.len());
         for heading in [

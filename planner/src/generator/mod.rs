@@ -25,7 +25,7 @@
 //! let mut generator = Generator::new(limits, CycleTime::MILLISECOND)?;
 //! generator.set_target(0.05)?;
 //! assert_eq!(generator.remaining_cycles(), 314); // 313.33 ms
-//! assert_eq!(generator.case().map(|case| case.name()), Some("D1"));
+//! assert_eq!(generator.case().map(|case| case.name()), Some("D.1"));
 //!
 //! while !generator.is_done() {
 //!     let setpoint = generator.step();
@@ -70,10 +70,10 @@ mod schedule;
 mod shape;
 
 pub use real::Real;
-pub use shape::{Shape, SixCase};
+pub use shape::Shape;
 
-use crate::CycleTime;
 use crate::grid::WholeCycles;
+use crate::{CycleTime, SixCase};
 use schedule::Schedule;
 pub(crate) use shape::seen_from_the_end;
 

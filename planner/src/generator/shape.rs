@@ -1,78 +1,6 @@
 use super::AxisLimits;
-use crate::State;
-use crate::float::{largest, least, sqrt};
-
-/// The six shapes of a move from rest to rest, by the letters of Blejan and Blejan (2020), section 3.2.
-///
-/// With `v_a = A²/J` the speed, and `s_a = 2A³/J²` the distance, up to which the acceleration limit is not reached, and
-/// `s_v` the least distance on which the velocity limit is:
-///
-/// ```text
-///             s > s_a      s ≤ s_a                       s > s_a      s ≤ s_a
-///           ┌────────────┬────────────┐                ┌────────────┬────────────┐
-///  V ≤ v_a  │ A          │ C1         │       V ≤ v_a  │ (never)    │ C2         │
-///  V > v_a  │ D1         │ (never)    │       V > v_a  │ D2         │ B          │
-///           └────────────┴────────────┘                └────────────┴────────────┘
-///             s ≥ s_v: cruises at V                      s < s_v: never reaches V
-/// ```
-///
-/// The paper states strict inequalities only, though its own third example has `V = v_a`; this is where ties go.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum SixCase {
-    /// Cruises at the velocity limit; the acceleration is a triangle, since the velocity limit is low.
-    A,
-    /// Neither limit is reached, since the distance is short; the velocity limit is high.
-    B,
-    /// As [`A`](Self::A), on a distance too short for the acceleration limit in any case.
-    C1,
-    /// As [`B`](Self::B), under a velocity limit too low for the acceleration limit in any case.
-    C2,
-    /// Both limits are reached: seven pieces.
-    D1,
-    /// The acceleration limit is reached, the velocity limit is not.
-    D2,
-}
-
-impl SixCase {
-    /// Every case.
-    pub const ALL: [Self; 6] = [Self::A, Self::B, Self::C1, Self::C2, Self::D1, Self::D2];
-
-    /// The name: `A`, `B`, `C1`, `C2`, `D1` or `D2`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::A => "A",
-            Self::B => "B",
-            Self::C1 => "C1",
-            Self::C2 => "C2",
-            Self::D1 => "D1",
-            Self::D2 => "D2",
-        }
-    }
-
-    /// The case of a move over `distance` [axis units], > 0, within `limits`.
-    fn of(distance: f64, limits: &AxisLimits<f64>) -> Self {
-        let AxisLimits { velocity: v, acceleration: a, jerk: j } = *limits;
-        // Multiplied out, for a quotient would round at the very numbers that people type.
-        let velocity_is_low = v * j <= a * a;
-        let is_far = distance * j * j > 2.0 * a * a * a;
-        let least_cruise = if velocity_is_low { 2.0 * v * sqrt(v / j) } else { v * (v / a + a / j) };
-        match (distance >= least_cruise, velocity_is_low, is_far) {
-            (true, true, true) => Self::A,
-            (true, true, false) => Self::C1,
-            (true, false, _) => Self::D1,
-            (false, _, true) => Self::D2,
-            (false, true, false) => Self::C2,
-            (false, false, false) => Self::B,
-        }
-    }
-}
-
-impl core::fmt::Display for SixCase {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(self.name())
-    }
-}
+use crate::float::{cbrt, largest, least, sqrt};
+use crate::{SixCase, State};
 
 /// A move from rest to rest in closed form: three times and a jerk, for any distance.
 ///
@@ -121,7 +49,7 @@ impl Shape {
             return None;
         }
         let s = largest(distance.abs(), LEAST_DISTANCE);
-        let t_j = least(least(a / j, sqrt(v / j)), libm::cbrt(0.5 * s / j));
+        let t_j = least(least(a / j, sqrt(v / j)), cbrt(0.5 * s / j));
         let peak = j * t_j;
         let c = s / peak;
         let t_a = largest(t_j, least(v / peak, 2.0 * c / (t_j + sqrt(t_j * t_j + 4.0 * c))));
@@ -131,7 +59,7 @@ impl Shape {
             acceleration_time: t_a,
             velocity_time: t_v,
             jerk: if distance < 0.0 { -j } else { j },
-            case: SixCase::of(s, limits),
+            case: case(s, limits),
         })
     }
 
@@ -200,6 +128,13 @@ impl Shape {
             (t_a + jerk_time, Piece { start: top, jerk: 0.0 }),
         ]
     }
+}
+
+/// The case of a move over `distance` [axis units], > 0, within `limits`.
+fn case(distance: f64, limits: &AxisLimits<f64>) -> SixCase {
+    let AxisLimits { velocity: v, acceleration: a, jerk: j } = *limits;
+    let least_cruise = if v * j <= a * a { 2.0 * v * sqrt(v / j) } else { v * (v / a + a / j) };
+    SixCase::of_move(distance >= least_cruise, distance, [v, a, j])
 }
 
 /// Shorter moves take the times of this one [axis units]: under any limits both are over within 1e-40 s, before the first

@@ -8,7 +8,7 @@ use super::signed;
 use super::trapezoid::Trapezoid;
 use crate::State;
 
-/// Lays the pieces of a shape end to end, from `start` to `reached`.
+/// Lays the pieces of a shape end to end, from `start` to `reached`, with a jerk for either ramp.
 ///
 /// Up to the cruise they are laid forward from the start, after it backward from the end, each relative to its own end:
 /// both ends are met to the last bit, and what rounding there is meets in the middle; or, where there is nothing before the
@@ -21,7 +21,7 @@ pub(super) fn lay(
     start: State,
     reached: State,
     direction: f64,
-    jerk: f64,
+    [jerk, down_jerk]: [f64; 2],
 ) {
     let Shape { up, cruise, down, peak, .. } = *shape;
     let jerk = direction * jerk;
@@ -49,6 +49,7 @@ pub(super) fn lay(
     lay(cruise, start.position, top, 0.0);
 
     let Ramp { jerk_time, hold_time } = down;
+    let jerk = direction * down_jerk;
     let seventh = State { position: 0.0, ..reached }.after(jerk, -jerk_time);
     let sixth = seventh.after(0.0, -hold_time);
     let fifth = State { acceleration: 0.0, ..sixth.after(-jerk, -jerk_time) };

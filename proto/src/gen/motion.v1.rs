@@ -49,7 +49,9 @@ pub struct AxisLimits {
     /// Greatest position \[u\], any sign, above min_position. Unset: none.
     #[prost(double, optional, tag = "7")]
     pub max_position: ::core::option::Option<f64>,
-    /// Greatest snap \[u/s^4\], > 0; needed from order 4 on. Unset: none.
+    /// Greatest snap \[u/s^4\], > 0; needed from order 4 on. Unset: none. Limits describe the axis: a
+    /// family of a lower order does not keep this one or those above it, and its certificate reports
+    /// what they would have had to bear as not guaranteed.
     #[prost(double, optional, tag = "8")]
     pub max_snap: ::core::option::Option<f64>,
     /// Greatest derivatives of order 5, 6, ... in turn \[u/s^5, u/s^6, ...\], each > 0; as many as the
@@ -125,7 +127,9 @@ pub struct PlanRequest {
     /// Arrive no earlier than this, >= 0. Unset or 0: as early as the limits allow.
     #[prost(message, optional, tag = "7")]
     pub minimum_duration: ::core::option::Option<::prost_types::Duration>,
-    /// Stretch the move, within its limits, to a whole number of cycles.
+    /// Stretch the move, within its limits, to a whole number of cycles; from rest to rest. Of S_CURVE
+    /// each piece lasts whole cycles, for less than four more; any other family is slowed as a whole,
+    /// for less than one.
     #[prost(bool, tag = "8")]
     pub end_on_cycle: bool,
 }
@@ -305,7 +309,7 @@ pub struct Classification {
     /// Acceleration against deceleration: "1" .. "8".
     #[prost(string, optional, tag = "2")]
     pub asymmetric_type: ::core::option::Option<::prost::alloc::string::String>,
-    /// Rest to rest: "A" "B" "C.1" "C.2" "D.1" "D.2".
+    /// Rest to rest: "A" "B" "C.1" "C.2" "D.1" "D.2"; of TRIGONOMETRIC, that of half the jerk.
     #[prost(string, optional, tag = "3")]
     pub six_case: ::core::option::Option<::prost::alloc::string::String>,
     /// Position, velocity and time: "R1" .. "R4".
