@@ -97,6 +97,7 @@ mod plan;
 mod polynomial;
 mod problem;
 mod profile;
+mod pvt;
 mod quantity;
 mod request;
 mod roots;
@@ -118,6 +119,7 @@ pub use plan::{AxisPlan, Maker, Method, Plan, Sampler, plan};
 pub use polynomial::{PolynomialMove, plan_polynomial};
 pub use problem::Problem;
 pub use profile::{Cursor, Profile};
+pub use pvt::{PvtInterpolation, PvtMove, PvtPlanner, PvtPolicy, PvtRegion, PvtTarget};
 pub use quantity::Quantity;
 pub use request::{
     AxisKind, AxisMove, AxisMoveSpec, Family, MAX_AXES, MAX_NAME_BYTES, Request, RequestSpec, Synchronization,

@@ -5,7 +5,7 @@ mod lane;
 mod nearest;
 mod pieces;
 mod planned;
-mod ramp;
+pub(crate) mod ramp;
 mod s_curve;
 mod trapezoid;
 
