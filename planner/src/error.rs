@@ -303,7 +303,7 @@ pub enum Why {
     PvtTimeTooShort {
         /// The time from the point before it \[s\].
         given: f64,
-        /// The least time in which the velocity can be reached \[s\].
+        /// The least time in which the point can be met, velocity and position \[s\].
         needed: f64,
         /// The velocity that can be reached in the time given [axis units/s].
         nearest_velocity: f64,

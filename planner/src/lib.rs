@@ -119,7 +119,10 @@ pub use plan::{AxisPlan, Maker, Method, Plan, Sampler, plan};
 pub use polynomial::{PolynomialMove, plan_polynomial};
 pub use problem::Problem;
 pub use profile::{Cursor, Profile};
-pub use pvt::{PvtInterpolation, PvtMove, PvtPlanner, PvtPolicy, PvtRegion, PvtTarget};
+pub use pvt::{
+    PvtAxis, PvtAxisSpec, PvtInterpolation, PvtMethod, PvtMove, PvtPlan, PvtPlanner, PvtPointReport,
+    PvtPolicy, PvtRegion, PvtRequest, PvtRequestSpec, PvtTarget, plan_pvt,
+};
 pub use quantity::Quantity;
 pub use request::{
     AxisKind, AxisMove, AxisMoveSpec, Family, MAX_AXES, MAX_NAME_BYTES, Request, RequestSpec, Synchronization,

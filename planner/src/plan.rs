@@ -4,7 +4,9 @@ use alloc::vec::Vec;
 use crate::error::{Field, InvalidFields, Why};
 use crate::request::{AxisKind, AxisMove, Family, Request, Synchronization};
 use crate::solve::{Adjustment, AdjustmentReason, Move, plan_move, plan_stop, plan_trapezoid};
-use crate::{Classification, Cursor, CycleTime, Limits, Profile, Quantity, Setpoint, ShortPathPolicy, State};
+use crate::{
+    Classification, Cursor, CycleTime, Limits, Profile, PvtMethod, Quantity, Setpoint, ShortPathPolicy, State,
+};
 use crate::{plan_polynomial, plan_trigonometric};
 
 /// How a plan was made, so that an operation on it can be planned the same way.
@@ -20,6 +22,8 @@ pub struct Method {
     pub synchronization: Synchronization,
     /// Stretched to a whole number of cycles?
     pub end_on_cycle: bool,
+    /// Through points of position, velocity and time? Then `family` and `order` say what the pieces are made of.
+    pub pvt: Option<PvtMethod>,
 }
 
 /// Who made a plan, and whose arithmetic its setpoints are.
@@ -274,6 +278,7 @@ pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
         short_path: request.short_path(),
         synchronization: request.synchronization(),
         end_on_cycle: false,
+        pvt: None,
     };
     let guaranteed = Quantity::BY_ORDER[1..=request.order() as usize].to_vec();
     Plan::new(method, guaranteed, request.cycle_time(), axes)

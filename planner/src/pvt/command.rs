@@ -176,8 +176,13 @@ pub(super) struct Shape {
 impl Reach<'_> {
     /// The least and the greatest displacement [axis units].
     pub(super) fn range(&self) -> (f64, f64) {
-        let Extremes { greatest, least } = &self.extremes;
-        (least.displacement, greatest.displacement)
+        let (low, high) = (self.extremes.least.displacement, self.extremes.greatest.displacement);
+        if low <= high {
+            return (low, high);
+        }
+        // In the very least time both are one motion, and roundings may exchange them.
+        let only = 0.5 * (low + high);
+        (only, only)
     }
 
     /// By how much this falls short of `displacement` (> 0) or goes beyond it at least (< 0); zero where it is reached.
@@ -219,16 +224,18 @@ impl Reach<'_> {
         let over_end = past_end + 0.5 * gap * beyond.first;
         let under_start = past_start - 0.5 * gap * before.last;
         let ramp = |change: f64, time: f64| GentleRamp::new(self.lane, sign * change, time);
-        let (region, cruise_velocity, first, cruise, last) = if over_end > 0.0 {
-            let over = least(beyond.change, over_end / beyond.weight());
+        // A difference of two positions is seldom the product of a velocity and a time, to the last digit.
+        let straight = gap == 0.0 && past_start.abs() <= self.slack;
+        let (region, cruise_velocity, first, cruise, last) = if straight {
+            (PvtRegion::R1, start, GentleRamp::default(), duration, GentleRamp::default())
+        } else if over_end > 0.0 {
+            let over = telling(least(beyond.change, over_end / beyond.weight()), end);
             let (up, down) = (ramp(gap + over, beyond.first), ramp(-over, beyond.last));
             (PvtRegion::R1, end + sign * over, up, beyond.cruise, down)
         } else if under_start < 0.0 {
-            let under = least(before.change, -under_start / before.weight());
+            let under = telling(least(before.change, -under_start / before.weight()), start);
             let (down, up) = (ramp(-under, before.first), ramp(gap + under, before.last));
             (PvtRegion::R4, start - sign * under, down, before.cruise, up)
-        } else if gap == 0.0 {
-            (PvtRegion::R1, start, GentleRamp::default(), duration, GentleRamp::default())
         } else if past_start >= 0.5 * gap * duration {
             let time = largest(beyond.first, least(duration, -2.0 * past_end / gap));
             (PvtRegion::R2, end, ramp(gap, time), duration - time, GentleRamp::default())
@@ -238,6 +245,11 @@ impl Reach<'_> {
         };
         Shape { region, first, cruise, last, cruise_velocity, displacement, arrives }
     }
+}
+
+/// A change of `velocity`, or zero where it changes no digit of it: no drive could tell, and no piece is made for it.
+fn telling(change: f64, velocity: f64) -> f64 {
+    if change > 0.5 * f64::EPSILON * velocity.abs() { change } else { 0.0 }
 }
 
 /// The symmetric ramp of a given time with the least peak of jerk that keeps the limit of acceleration.

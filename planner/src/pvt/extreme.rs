@@ -91,14 +91,20 @@ fn growth(lane: &Lane, start: f64, end: f64, extreme: &Extreme) -> f64 {
 /// The end velocity in `from ..= lane.greatest` nearest to `from` whose greatest displacement in `duration` is
 /// `displacement`, which `from` falls short of; the greatest that can be reached at all where none is.
 pub(super) fn end_velocity_for(lane: &Lane, start: f64, from: f64, duration: f64, displacement: f64) -> f64 {
-    let room = lane.nearest(start, lane.greatest, duration) - from;
+    let room = largest(0.0, lane.nearest(start, lane.greatest, duration) - from);
     let value_and_slope = |more: f64| {
         let extreme = farthest(lane, start, from + more, duration);
         (extreme.displacement - displacement, growth(lane, start, from + more, &extreme))
     };
-    // The displacement grows all the way: where its value at the end is short too, nothing reaches.
-    sign_change(0.0, largest(room, 0.0), value_and_slope)
-        .map_or(from + largest(room, 0.0), |more| from + more)
+    // The displacement grows all the way, more and more slowly, so Newton's step falls short. Twice that is a bracket near the
+    // root, which is closed in on relative to its upper end; where the whole room is short too, nothing reaches.
+    let (value, slope) = value_and_slope(0.0);
+    let step = 2.0 * -value / slope;
+    let mut to = if step > 0.0 && step < room { step } else { room };
+    while to < room && value_and_slope(to).0 < 0.0 {
+        to = least(room, 2.0 * to);
+    }
+    from + sign_change(0.0, to, value_and_slope).unwrap_or(to)
 }
 
 /// The least time from `duration` on in which the greatest displacement is `displacement`, of which it falls short at
@@ -130,17 +136,15 @@ pub(super) fn duration_for(
     let value_and_slope = |root: f64| peak.length_and_slope(root, displacement);
     let (from, room) = (sqrt(now.change), sqrt(peak.room));
     // A bracket near the root, since it is closed in on relative to its upper end.
-    let mut to = least(room, largest(2.0 * from, sqrt(lane.jerk * duration * duration)));
+    let steep = least(lane.jerk * duration, least(lane.rise, lane.fall));
+    let mut to = least(room, largest(2.0 * from, sqrt(steep * duration)));
     while to < room && value_and_slope(to).0 < 0.0 {
         to = least(room, 2.0 * to);
     }
     let root = sign_change(from, to, value_and_slope).unwrap_or(to);
     let ramps = peak.ramps(root * root);
-    Some((ramps.near + ramps.far) * (1.0 + ROOT_SLACK))
+    Some(ramps.near + ramps.far)
 }
-
-/// Of a duration \[1\]: how much later than its root it is taken, so that it is not a rounding too short.
-const ROOT_SLACK: f64 = 32.0 * f64::EPSILON;
 
 /// The search for the turn above two velocities. *Near* is the side of the faster end, *far* that of the slower one: over the
 /// change `x` from the faster end to the turn, the near ramp changes the velocity by `x` and the far one by `x + gap`.

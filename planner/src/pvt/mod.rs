@@ -8,8 +8,22 @@ mod extreme;
 mod lane;
 mod pieces;
 mod planner;
+mod polynomial;
+mod request;
+mod sequence;
 
 pub use planner::{PvtMove, PvtPlanner, PvtTarget};
+pub use request::{PvtAxis, PvtAxisSpec, PvtRequest, PvtRequestSpec};
+pub use sequence::{PvtPlan, PvtPointReport, plan_pvt};
+
+/// How a plan through points was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PvtMethod {
+    /// How points are joined.
+    pub interpolation: PvtInterpolation,
+    /// What was to be done about points that cannot be met.
+    pub policy: PvtPolicy,
+}
 
 /// What to do about a command whose position, velocity and time cannot all be met.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -17,6 +17,8 @@ pub(super) fn lay(shape: &Shape, start: State, reached: State) -> Move {
     // A ramp without change is part of the cruise.
     let level = |ramp: &GentleRamp| if ramp.jerk == 0.0 { 2.0 * ramp.jerk_time } else { 0.0 };
     let cruise = level(&first) + cruise + level(&last);
+    let ramps = 2.0 * (first.jerk_time + last.jerk_time) + first.hold_time + last.hold_time;
+    let cruise = if cruise > ROUNDED_TIME * ramps { cruise } else { 0.0 };
 
     let mut top = State { position: 0.0, velocity: cruise_velocity, acceleration: 0.0 };
     if first.jerk != 0.0 {
@@ -48,3 +50,6 @@ pub(super) fn lay(shape: &Shape, start: State, reached: State) -> Move {
     }
     laid
 }
+
+/// Of a duration \[1\]: a cruise of this is what rounding leaves of none.
+const ROUNDED_TIME: f64 = 4.0 * f64::EPSILON;

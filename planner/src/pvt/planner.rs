@@ -167,7 +167,7 @@ pub(super) fn wrong_point(
     let out_of_range = || {
         let allowed = position.max(limits.min_position()).min(limits.max_position());
         let limit = if position < allowed { "limits.min_position" } else { "limits.max_position" };
-        let outside = position < allowed || position > allowed;
+        let outside = (position - allowed).abs() > 0.0;
         outside.then_some(Why::GoalOutsideLimits { given: position, allowed, limit })
     };
     let too_fast = || {
@@ -298,7 +298,7 @@ impl Axis {
         let reachable =
             if alone { reach.range() } else { command.range(&self.lanes).unwrap_or(reach.range()) };
         let mut adjust = |quantity, asked: f64, planned: f64, reason| {
-            if asked < planned || asked > planned {
+            if (planned - asked).abs() > 0.0 {
                 motion.adjust(Adjustment { quantity, asked, planned, reason });
             }
         };
@@ -306,7 +306,7 @@ impl Axis {
             adjust(Quantity::Position, target.position, position, AdjustmentReason::PvtOutOfReach);
         }
         let hurried = || asked.duration < asked.least_time(&self.lanes);
-        if command.end < asked.end || command.end > asked.end {
+        if (command.end - asked.end).abs() > 0.0 {
             let reason =
                 if hurried() { AdjustmentReason::PvtTimeTooShort } else { AdjustmentReason::PvtOutOfReach };
             adjust(Quantity::Velocity, asked.end, command.end, reason);
@@ -318,17 +318,22 @@ impl Axis {
     /// Why a command cannot be met, and what could be.
     #[cold]
     fn refusal(&self, command: &Command, start: State) -> Refusal {
-        let (needed, given) = (command.least_time(&self.lanes), command.duration);
-        let Some((low, high)) = command.range(&self.lanes) else {
+        let needed = command.extended(&self.lanes);
+        let has_time = command.range(&self.lanes).is_some();
+        if let (false, Some(needed)) = (has_time, needed) {
             let nearest_velocity = command.nearest_velocity(&self.lanes);
-            return (Quantity::Velocity, Why::PvtTimeTooShort { given, needed, nearest_velocity });
-        };
+            let why = Why::PvtTimeTooShort { given: command.duration, needed, nearest_velocity };
+            return (Quantity::Velocity, why);
+        }
+        // Where no time is long enough for the position, more of it for the velocity is no way out.
+        let duration = if has_time { command.duration } else { command.least_time(&self.lanes) };
+        let (low, high) = Command { duration, ..*command }.range(&self.lanes).unwrap_or_default();
         let why = Why::PvtOutOfReach {
             given: start.position + command.displacement,
             least: start.position + low,
             greatest: start.position + high,
-            duration: given,
-            needed: command.extended(&self.lanes),
+            duration,
+            needed,
         };
         (Quantity::Position, why)
     }
