@@ -288,21 +288,25 @@ impl<'a> Drive<'a> {
 
     /// Lays pieces that end at the time `end` \[s\].
     ///
-    /// The last of them lasts until then, which differs from its own duration by roundings of the time: so the sum of ten
-    /// thousand durations is the time that was asked for, and all axes agree on it.
+    /// The longest of them takes what their sum lacks of that, roundings of the time: so the sum of ten thousand durations is the
+    /// time that was asked for, and all axes agree on it.
     fn lay(&mut self, pieces: impl IntoIterator<Item = Segment>, end: f64) {
         let first = self.segments.len();
         self.segments.extend(pieces);
-        let count = self.segments.len();
-        for (index, segment) in self.segments[first..].iter_mut().enumerate() {
-            if first + index + 1 == count {
-                let until_end = end - self.clock;
-                if (until_end - segment.duration).abs() <= CLOSING_PART * segment.duration {
-                    segment.duration = until_end;
-                }
+        let pieces = &mut self.segments[first..];
+        let longest = (0..pieces.len()).fold(0, |longest, index| {
+            if pieces[index].duration > pieces[longest].duration { index } else { longest }
+        });
+        let begin = self.clock;
+        let sum = |pieces: &[Segment]| pieces.iter().fold(begin, |sum, piece| sum + piece.duration);
+        // The sum rounds too, so once is not always enough.
+        for _ in 0..2 {
+            let missing = end - sum(pieces);
+            if let Some(piece) = pieces.get_mut(longest) {
+                piece.duration += missing;
             }
-            self.clock += segment.duration;
         }
+        self.clock = sum(pieces);
     }
 
     /// Did the last command not get where it should?
@@ -340,9 +344,6 @@ impl<'a> Drive<'a> {
         (plan, reports)
     }
 }
-
-/// Of the duration of a piece \[1\]: how much of it may be given to the rounding of times.
-const CLOSING_PART: f64 = 0.25;
 
 /// Takes each axis that has missed its last point there, without regard to time.
 fn finish_unreached(invalid: &mut InvalidFields, drives: &mut [Drive<'_>]) {
