@@ -289,7 +289,7 @@ impl<'a> Drive<'a> {
     /// Lays pieces that end at the time `end` \[s\].
     ///
     /// The longest of them takes what their sum lacks of that, roundings of the time: so the sum of ten thousand durations is the
-    /// time that was asked for, and all axes agree on it.
+    /// time that was asked for, to an ulp or two, and all axes agree on it.
     fn lay(&mut self, pieces: impl IntoIterator<Item = Segment>, end: f64) {
         let first = self.segments.len();
         self.segments.extend(pieces);
@@ -299,12 +299,9 @@ impl<'a> Drive<'a> {
         });
         let begin = self.clock;
         let sum = |pieces: &[Segment]| pieces.iter().fold(begin, |sum, piece| sum + piece.duration);
-        // The sum rounds too, so once is not always enough.
-        for _ in 0..2 {
-            let missing = end - sum(pieces);
-            if let Some(piece) = pieces.get_mut(longest) {
-                piece.duration += missing;
-            }
+        let missing = end - sum(pieces);
+        if let Some(piece) = pieces.get_mut(longest) {
+            piece.duration += missing;
         }
         self.clock = sum(pieces);
     }
@@ -360,9 +357,14 @@ fn finish_unreached(invalid: &mut InvalidFields, drives: &mut [Drive<'_>]) {
             let last = drive.spec.points.len() - 1;
             let field = field(Quantity::Velocity, last).within(&outer);
             invalid.note(field.as_str(), Some(Why::NotImplemented { what, instead }));
-        } else if drive.misses()
-            && let Some(motion) = invalid.take(&outer, finish(drive.state, drive.goal(), drive.spec))
-        {
+        } else if drive.misses() {
+            let Some(motion) = finish(drive.state, drive.goal(), drive.spec) else {
+                let what = "finishing a point that the axis would have to turn back for";
+                let instead = "leave out finish_unreached, or plan a move from the end to the point";
+                let field = field(Quantity::Position, drive.spec.points.len() - 1).within(&outer);
+                invalid.note(field.as_str(), Some(Why::NotImplemented { what, instead }));
+                continue;
+            };
             drive.state = motion.reached();
             drive.fastest = largest(drive.fastest, motion.classification().feed_rate);
             let end = drive.clock + motion.duration();
@@ -372,7 +374,9 @@ fn finish_unreached(invalid: &mut InvalidFields, drives: &mut [Drive<'_>]) {
     }
 }
 
-/// The move from where the last command has ended to where it should have: the one place that asks another solver.
-fn finish(from: State, goal: State, spec: &PvtAxis) -> Result<Move, InvalidFields> {
-    plan_move(&Problem::new(from, goal, spec.limits.clone(), ShortPathPolicy::Reverse)?)
+/// The move from where the last command has ended to where it should have: the one place that asks another solver. `None` where
+/// that does not turn back yet.
+fn finish(from: State, goal: State, spec: &PvtAxis) -> Option<Move> {
+    let problem = Problem::new(from, goal, spec.limits.clone(), ShortPathPolicy::Reverse).ok()?;
+    plan_move(&problem).ok()
 }
