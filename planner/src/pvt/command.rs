@@ -49,24 +49,21 @@ impl Command {
         })
     }
 
-    /// The first lane that reaches the displacement.
-    pub(super) fn within<'a>(&self, lanes: &'a Lanes) -> Option<Reach<'a>> {
-        lanes
-            .from(self.start)
-            .filter_map(|lane| self.reach(lane))
-            .find(|reach| reach.short_of(self.displacement) == 0.0)
-    }
-
-    /// The lane that comes nearest to the displacement, of those that have the time for the end velocity.
+    /// The first lane that reaches the displacement, or the one that comes nearest to it, of those that have the time for the
+    /// end velocity.
+    #[inline]
     pub(super) fn nearest<'a>(&self, lanes: &'a Lanes) -> Option<Reach<'a>> {
-        let mut nearest: Option<Reach<'a>> = None;
+        let mut nearest: Option<(f64, Reach<'a>)> = None;
         for reach in lanes.from(self.start).filter_map(|lane| self.reach(lane)) {
-            let short = |reach: &Reach<'_>| reach.short_of(self.displacement).abs();
-            if nearest.as_ref().is_none_or(|other| short(&reach) < short(other)) {
-                nearest = Some(reach);
+            let short = reach.short_of(self.displacement).abs();
+            if short == 0.0 {
+                return Some(reach);
+            }
+            if nearest.as_ref().is_none_or(|&(other, _)| short < other) {
+                nearest = Some((short, reach));
             }
         }
-        nearest
+        nearest.map(|(_, reach)| reach)
     }
 
     /// The least and the greatest displacement of all lanes: an interval, since each of them can drive the plain ramp.

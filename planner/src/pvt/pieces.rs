@@ -4,10 +4,13 @@ use crate::solve::{Move, Piece};
 
 /// Lays the pieces of a shape end to end, from `start` to `reached`: up to the cruise forward from the start, after it
 /// backward from the end, so that both are met to the last bit and what rounding there is meets in the middle.
-pub(super) fn lay(shape: &Shape, start: State, reached: State) -> Move {
-    let mut laid = Move::of_rectangles(reached);
+///
+/// They are laid into their place, since copying seven of them costs as much as laying two.
+#[inline]
+pub(super) fn lay(motion: &mut Move, shape: &Shape, start: State, reached: State) {
+    motion.begin(reached);
     let Shape { first, cruise, last, cruise_velocity, .. } = *shape;
-    let pieces = laid.pieces();
+    let pieces = motion.pieces();
     let mut lay = |duration: f64, origin: f64, from: State, jerk: f64| {
         if duration > 0.0 {
             let state = State { position: origin + from.position, ..from }.with_positive_zeros();
@@ -48,7 +51,6 @@ pub(super) fn lay(shape: &Shape, start: State, reached: State) -> Move {
     if let Some(first) = pieces.first_mut() {
         first.start = start;
     }
-    laid
 }
 
 /// Of a duration \[1\]: a cruise of this is what rounding leaves of none.

@@ -1,4 +1,4 @@
-use super::command::Command;
+use super::command::{Command, Reach};
 use super::lane::Lanes;
 use super::{PvtPolicy, PvtRegion, pieces};
 use crate::classify::Classification;
@@ -28,6 +28,12 @@ pub struct PvtMove {
 }
 
 impl PvtMove {
+    /// A place for a motion.
+    #[inline]
+    pub(super) fn unplanned() -> Self {
+        Self { motion: Move::of_rectangles(), region: PvtRegion::R1, reachable: (0.0, 0.0) }
+    }
+
     /// The motion; its adjustments are of position, velocity and time.
     #[must_use]
     pub fn motion(&self) -> &Move {
@@ -118,9 +124,9 @@ impl PvtPlanner {
         if !fits {
             return Err(wrong_target(&target, self.axis.limits()));
         }
-        let planned = self
-            .axis
-            .plan(self.state, &target, self.policy, 0.0)
+        let mut planned = PvtMove::unplanned();
+        self.axis
+            .plan(&mut planned, self.state, &target, self.policy, 0.0)
             .map_err(|(quantity, why)| InvalidFields::one(Field::named(field_of(quantity)), why))?;
         self.state = planned.motion.reached();
         Ok(planned)
@@ -222,7 +228,7 @@ impl Axis {
         time_rounding: f64,
     ) -> Result<f64, Refusal> {
         let command = Self::command(start, target, time_rounding);
-        if command.within(&self.lanes).is_some() {
+        if command.nearest(&self.lanes).is_some_and(|reach| reach.short_of(command.displacement) == 0.0) {
             return Ok(target.duration);
         }
         command.extended(&self.lanes).ok_or_else(|| self.refusal(&command, start))
@@ -233,35 +239,38 @@ impl Axis {
         Self::command(start, target, 0.0).range(&self.lanes)
     }
 
+    #[inline]
     /// The motion from `start` to `target`, or as near as `policy` says.
     pub(super) fn plan(
         &self,
+        planned: &mut PvtMove,
         start: State,
         target: &PvtTarget,
         policy: PvtPolicy,
         time_rounding: f64,
-    ) -> Result<PvtMove, Refusal> {
+    ) -> Result<(), Refusal> {
         let asked = Self::command(start, target, time_rounding);
-        let planned = match asked.within(&self.lanes) {
-            Some(reach) => self.laid(&asked, &asked, reach, start, target),
-            None => self.adjusted(&asked, start, target, policy)?,
-        };
-        self.within_range(&planned, start)?;
-        Ok(planned)
+        let nearest = asked
+            .nearest(&self.lanes)
+            .filter(|reach| policy == PvtPolicy::PreferVelocity || reach.short_of(asked.displacement) == 0.0);
+        match nearest {
+            Some(reach) => self.lay(planned, &asked, &asked, &reach, start, target),
+            None => self.adjust(planned, &asked, start, target, policy)?,
+        }
+        self.within_range(planned, start)
     }
 
-    /// The motion for a command that cannot be met.
-    #[cold]
-    fn adjusted(
+    /// The motion for a command that cannot be met, with time enough for the velocity or without.
+    fn adjust(
         &self,
+        planned: &mut PvtMove,
         asked: &Command,
         start: State,
         target: &PvtTarget,
         policy: PvtPolicy,
-    ) -> Result<PvtMove, Refusal> {
+    ) -> Result<(), Refusal> {
         let Self { lanes, .. } = self;
         let command = match policy {
-            PvtPolicy::PreferVelocity if asked.range(lanes).is_some() => *asked,
             PvtPolicy::PreferVelocity => Command { end: asked.nearest_velocity(lanes), ..*asked },
             PvtPolicy::PreferPosition => Command { end: asked.velocity_for_position(lanes), ..*asked },
             PvtPolicy::ExtendTime => {
@@ -270,32 +279,37 @@ impl Axis {
             }
             PvtPolicy::Reject => return Err(self.refusal(asked, start)),
         };
-        let command = if policy == PvtPolicy::ExtendTime || command.range(lanes).is_some() {
-            command
-        } else {
-            Command { end: asked.start, ..command }
-        };
-        // Every time suffices to stay at the start velocity, and an extended one for the command.
-        let reach = command.nearest(lanes).ok_or_else(|| self.refusal(asked, start))?;
-        Ok(self.laid(asked, &command, reach, start, target))
+        if let Some(reach) = command.nearest(lanes) {
+            self.lay(planned, asked, &command, &reach, start, target);
+            return Ok(());
+        }
+        // A velocity that the time suffices for but for a rounding; to stay at the same one no time is too short.
+        let level = Command { end: asked.start, ..command };
+        let reach = level.nearest(lanes).ok_or_else(|| self.refusal(asked, start))?;
+        self.lay(planned, asked, &level, &reach, start, target);
+        Ok(())
     }
 
-    fn laid(
+    #[inline]
+    fn lay(
         &self,
+        planned: &mut PvtMove,
         asked: &Command,
         command: &Command,
-        reach: super::command::Reach<'_>,
+        reach: &Reach<'_>,
         start: State,
         target: &PvtTarget,
-    ) -> PvtMove {
+    ) {
         let shape = reach.shape(command);
         let position = if shape.arrives { target.position } else { start.position + shape.displacement };
         let reached = State { position, velocity: command.end, acceleration: 0.0 }.with_positive_zeros();
-        let mut motion = pieces::lay(&shape, start, reached);
+        let motion = &mut planned.motion;
+        pieces::lay(motion, &shape, start, reached);
         let speed = largest(command.start.abs(), command.end.abs());
         motion.classify(Classification::of_speed(largest(speed, shape.cruise_velocity.abs())));
         let alone = self.lanes.are_one();
-        let reachable =
+        planned.region = shape.region;
+        planned.reachable =
             if alone { reach.range() } else { command.range(&self.lanes).unwrap_or(reach.range()) };
         let mut adjust = |quantity, asked: f64, planned: f64, reason| {
             if (planned - asked).abs() > 0.0 {
@@ -312,7 +326,6 @@ impl Axis {
             adjust(Quantity::Velocity, asked.end, command.end, reason);
         }
         adjust(Quantity::Time, asked.duration, command.duration, AdjustmentReason::PvtTimeExtended);
-        PvtMove { motion, region: shape.region, reachable }
     }
 
     /// Why a command cannot be met, and what could be.

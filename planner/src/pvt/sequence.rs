@@ -84,6 +84,7 @@ pub fn plan_pvt(request: &PvtRequest) -> Result<PvtPlan, InvalidFields> {
     // How much later than asked the points are met.
     let mut shift = 0.0;
     let mut before = 0.0;
+    let mut planned = PvtMove::unplanned();
     for (point, &time) in request.times().iter().enumerate() {
         let interval = time - before;
         before = time;
@@ -94,7 +95,7 @@ pub fn plan_pvt(request: &PvtRequest) -> Result<PvtPlan, InvalidFields> {
             beat.time = time + shift;
         }
         for (axis, drive) in drives.iter_mut().enumerate().filter(|(_, drive)| drive.refusal.is_none()) {
-            drive.go(axis, request, &beat);
+            drive.go(&mut planned, axis, request, &beat);
         }
     }
     for (index, drive) in drives.iter_mut().enumerate() {
@@ -230,7 +231,7 @@ impl<'a> Drive<'a> {
     }
 
     /// Goes on to the next point.
-    fn go(&mut self, axis: usize, request: &PvtRequest, beat: &Beat) {
+    fn go(&mut self, planned: &mut PvtMove, axis: usize, request: &PvtRequest, beat: &Beat) {
         let target = self.target(beat);
         let mut report = PvtPointReport {
             axis,
@@ -254,8 +255,9 @@ impl<'a> Drive<'a> {
                 PvtPolicy::ExtendTime => PvtPolicy::Reject,
                 policy => policy,
             };
-            match self.axis.plan(self.state, &target, policy, beat.time_rounding()) {
-                Ok(planned) => self.follow(&planned, &mut report, beat.time),
+            let rounding = beat.time_rounding();
+            match self.axis.plan(planned, self.state, &target, policy, rounding) {
+                Ok(()) => self.follow(planned, &mut report, beat.time),
                 Err(refusal) => {
                     self.refusal = Some((beat.point, refusal));
                     return;

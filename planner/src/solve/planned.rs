@@ -118,9 +118,24 @@ impl Move {
         Self { pieces, pulses: Pulses::Cosines, reached, adjustments, classification }
     }
 
-    /// A motion of rectangles of jerk that has no pieces yet.
-    pub(crate) fn of_rectangles(reached: State) -> Self {
-        Self { pulses: Pulses::Rectangles, ..Self::of_cosines(reached, None) }
+    /// A motion of rectangles of jerk that has no pieces, to be begun.
+    #[inline]
+    pub(crate) fn of_rectangles() -> Self {
+        Self {
+            pieces: ArrayVec::new(),
+            pulses: Pulses::Rectangles,
+            reached: State::at_rest(0.0),
+            adjustments: ArrayVec::new(),
+            classification: Classification::default(),
+        }
+    }
+
+    /// Makes it another motion, to `reached`, that has no pieces yet.
+    #[inline]
+    pub(crate) fn begin(&mut self, reached: State) {
+        self.pieces.clear();
+        self.adjustments.clear();
+        self.reached = reached;
     }
 
     /// Says what is not as asked.
