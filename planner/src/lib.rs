@@ -67,7 +67,9 @@
 //!    [`plan_trapezoid`] is the baseline: constant acceleration, and no limit on the jerk.
 //!    [`plan_polynomial`], [`plan_trigonometric`]: the same question for smoother motions, from rest to rest.
 //! 4. [`Request`], [`plan()`], [`Plan`], [`Sampler`]: several axes over one time base, read cycle by cycle.
-//! 5. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when. [`Judged`],
+//! 5. [`PvtPlanner`], [`PvtRequest`], [`plan_pvt`]: position, velocity and time together, a command at a time or point after
+//!    point; [`PvtPolicy`]: what to give up where they cannot all be met.
+//! 6. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when. [`Judged`],
 //!    [`Accepted`]: a plan with both, and one that may be executed.
 //!
 //! The derivations and the decisions are in the repository's `notes/`, the laws that hold for every problem in `tests/laws.rs`.
@@ -76,8 +78,8 @@
 //!
 //! - `std` (default): takes square roots in hardware. Without it the crate needs `alloc` alone, and gives the same bits.
 //!
-//! There is no I/O, no clock and no randomness here, and [`plan_move`], [`Move::at`], [`Cursor::at`] and
-//! [`Sampler::columns`] take nothing from the heap.
+//! There is no I/O, no clock and no randomness here, and [`plan_move`], [`PvtPlanner::command`], [`Move::at`],
+//! [`Cursor::at`] and [`Sampler::columns`] take nothing from the heap.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;

@@ -1,5 +1,6 @@
 //! One command of position, velocity and time: four hundred of them solved at sixty digits.
 
+#![allow(clippy::float_cmp, reason = "what is kept is kept to the last bit")]
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 mod common;

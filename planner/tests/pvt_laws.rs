@@ -1,5 +1,6 @@
 //! What holds for every command of position, velocity and time, and for every sequence of them.
 
+#![allow(clippy::float_cmp, reason = "what is kept is kept to the last bit")]
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 mod common;

@@ -1,5 +1,6 @@
 //! The words of every refusal of points, and where each is said.
 
+#![allow(clippy::float_cmp, reason = "what is kept is kept to the last bit")]
 #![allow(clippy::unwrap_used, clippy::unwrap_in_result, reason = "a test may fail by panicking")]
 
 use planner::{

@@ -1,5 +1,6 @@
 //! Point after point: several axes, over one list of times.
 
+#![allow(clippy::float_cmp, reason = "what is kept is kept to the last bit")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test may fail by panicking")]
 
 mod common;

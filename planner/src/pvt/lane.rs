@@ -5,7 +5,7 @@ use crate::float::{least, sqrt};
 use crate::solve::ramp::Ramp;
 
 /// The most lanes that a command can be driven in.
-const MAX_LANES: usize = 3;
+pub(super) const MAX_LANES: usize = 3;
 
 /// Bounds that are constant throughout a command: velocity in `least ..= greatest`, acceleration in `−fall ..= rise`.
 ///

@@ -1,7 +1,7 @@
 //! Position, velocity and time together: the axis is to be at a position with a velocity at an instant, again and again.
 //!
 //! Follows the method of doi:10.1177/17298814211072418 (Int. J. Adv. Robot. Syst., 2022). Its extremes, regions and ramps are
-//! derived in `notes/0007-position-velocity-time.md`.
+//! derived in `notes/0008-position-velocity-time.md`.
 
 mod command;
 mod extreme;

@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 
 use arrayvec::ArrayVec;
 
+use super::lane::MAX_LANES;
 use super::planner::{Axis, PvtMove, PvtTarget, Refusal};
 use super::request::field;
 use super::{PvtAxis, PvtInterpolation, PvtPolicy, PvtRegion, PvtRequest, polynomial};
@@ -162,14 +163,14 @@ impl Beat {
 
     /// Takes the first duration in which every axis meets its point.
     ///
-    /// Each axis moves it on to the first one that suits itself, until all agree. What suits an axis are at most three
-    /// windows of time: the displacement may get out of reach beyond either extreme, once each. So no axis moves it more
-    /// than three times, and the rounds end.
+    /// Each axis moves it on to the first one that suits itself, until all agree. In each lane what suits an axis are at most three
+    /// windows of time: the displacement may get out of reach beyond either extreme, once each. So no axis moves it more often
+    /// than it has windows, and the rounds end.
     fn extend(&mut self, drives: &mut [Drive<'_>]) {
         for drive in &mut *drives {
             drive.needs_time = false;
         }
-        for _ in 0..=3 * drives.len() {
+        for _ in 0..=3 * MAX_LANES * drives.len() {
             let mut agreed = true;
             for drive in drives.iter_mut().filter(|drive| drive.refusal.is_none()) {
                 let target = drive.target(self);
