@@ -390,3 +390,48 @@ fn wandered(random: &mut Random, start: f64, duration: f64, limits: &LimitsSpec)
     let state = state.after(0.0, left);
     Some((state.velocity, state.position))
 }
+
+/// Numbers at the ends of what is taken: every command is answered, with finite numbers, or refused.
+#[test]
+fn numbers_at_the_ends_of_the_range() {
+    let magnitudes = [1e-60, 1e-20, 1.0, 1e20, 1e60];
+    let mut planned = 0;
+    for pick in 0..5usize.pow(5) {
+        let at = |place: u32| magnitudes[pick / 5usize.pow(place) % 5];
+        let (velocity, acceleration, jerk, duration, position) = (at(0), at(1), at(2), at(3), at(4));
+        for (max_velocity_reverse, start, end) in [
+            (None, 0.0, 0.0),
+            (None, -velocity, velocity),
+            (Some(0.0), velocity, 0.0),
+            (None, velocity, 0.5 * velocity),
+        ] {
+            let limits = LimitsSpec {
+                max_velocity: velocity,
+                max_acceleration: acceleration,
+                max_jerk: jerk,
+                max_deceleration: Some(2.0 * acceleration),
+                max_velocity_reverse,
+                ..LimitsSpec::default()
+            };
+            // Twice the largest number is too large.
+            let Ok(limits) = Limits::try_from(limits) else { continue };
+            for policy in [
+                PvtPolicy::PreferVelocity,
+                PvtPolicy::PreferPosition,
+                PvtPolicy::ExtendTime,
+                PvtPolicy::Reject,
+            ] {
+                let start = State { velocity: start, ..State::default() };
+                let mut planner = PvtPlanner::new(start, limits.clone(), policy).unwrap();
+                let Ok(answer) = planner.command(PvtTarget { position, velocity: end, duration }) else {
+                    continue;
+                };
+                let motion = answer.motion();
+                assert!(motion.reached().is_finite() && motion.duration().is_finite(), "{answer:?}");
+                assert!(motion.segments().iter().all(|segment| segment.at(0.0).is_finite()), "{answer:?}");
+                planned += 1;
+            }
+        }
+    }
+    assert!(planned > 10_000, "{planned}");
+}

@@ -1,5 +1,5 @@
 //! The two motions that bound what a command can reach: one that gets as far as can be, and one that stays back as far as
-//! can be. Shen and others draw them as P1 and P5; the equations are derived in `notes/0008-position-velocity-time.md`.
+//! can be: P1 and P5 in the paper. The equations are derived in `notes/0008-position-velocity-time.md`.
 
 use super::lane::Lane;
 use crate::float::{largest, least, sqrt};

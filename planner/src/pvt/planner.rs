@@ -74,10 +74,10 @@ impl PvtMove {
 ///
 /// let limits = Limits::symmetric(0.5, 4.0, 80.0)?;
 /// let mut axis = PvtPlanner::new(State::at_rest(0.0), limits, PvtPolicy::PreferVelocity)?;
-/// // 10 mm in 0.1 s, and then 20 mm at a constant 0.2 m/s.
-/// let away = axis.command(PvtTarget { position: 0.01, velocity: 0.2, duration: 0.15 })?;
+/// // 12 mm in 0.15 s, and then 20 mm at a constant 0.2 m/s.
+/// let away = axis.command(PvtTarget { position: 0.012, velocity: 0.2, duration: 0.15 })?;
 /// assert_eq!(away.region(), PvtRegion::R3);
-/// let on = axis.command(PvtTarget { position: 0.03, velocity: 0.2, duration: 0.1 })?;
+/// let on = axis.command(PvtTarget { position: 0.032, velocity: 0.2, duration: 0.1 })?;
 /// assert_eq!((on.motion().segments().len(), on.motion().adjustments().len()), (1, 0));
 /// // Too far for the time: velocity and time are kept, and what is missing is said.
 /// let short = axis.command(PvtTarget { position: 0.5, velocity: 0.2, duration: 0.1 })?;
