@@ -301,6 +301,99 @@ pub enum Why {
         /// The reachable end velocity nearest to the one asked for [axis units/s].
         nearest_velocity: f64,
     },
+    /// No point to go to.
+    #[error("is empty: give at least one point")]
+    NoPoints,
+    /// Lists that belong together and do not have the same length.
+    #[error(
+        "has {given} elements, and {list} has {expected}: give every point a time, a position and a velocity"
+    )]
+    LengthMismatch {
+        /// The length of this list.
+        given: usize,
+        /// The length of the other.
+        expected: usize,
+        /// The other list.
+        list: &'static str,
+    },
+    /// A time that is not after the one before it.
+    #[error(
+        "is {given} s, not after {before} s: times count from the start and increase from point to point"
+    )]
+    TimesNotIncreasing {
+        /// The time \[s\].
+        given: f64,
+        /// The one before it \[s\], 0 for the first.
+        before: f64,
+    },
+    /// A time that another axis does not have.
+    #[error("is {given} s, and axes[0] has {expected} s: axes share their times, so give the same to all")]
+    TimesDiffer {
+        /// The time \[s\].
+        given: f64,
+        /// That of the first axis \[s\].
+        expected: f64,
+    },
+    /// A time that is less than a cycle after the one before it.
+    #[error(
+        "is {given} s after the point before it, less than a cycle of {cycle} s: leave the point out or shorten \
+         cycle_time"
+    )]
+    IntervalTooShort {
+        /// The interval \[s\].
+        given: f64,
+        /// The cycle \[s\].
+        cycle: f64,
+    },
+    /// A command that takes no time.
+    #[error("is {given} s: a command takes time, so give more than 0")]
+    DurationNotPositive {
+        /// The duration \[s\].
+        given: f64,
+    },
+    /// A point whose velocity cannot be reached in its time.
+    #[error(
+        "cannot be reached in {given} s, which must be {needed} s at least: allow that, ask for {nearest_velocity}, or name \
+         a policy that adjusts"
+    )]
+    PvtTimeTooShort {
+        /// The time from the point before it \[s\].
+        given: f64,
+        /// The least time in which the point can be met, velocity and position \[s\].
+        needed: f64,
+        /// The velocity that can be reached in the time given [axis units/s].
+        nearest_velocity: f64,
+    },
+    /// A point whose position cannot be reached with its velocity in its time.
+    #[error(
+        "is {given}, and {duration} s lead to between {least} and {greatest}: move the point there, {}, or name a policy \
+         that adjusts",
+        AllowTime(*needed)
+    )]
+    PvtOutOfReach {
+        /// The position [axis units].
+        given: f64,
+        /// The least position that can be reached [axis units].
+        least: f64,
+        /// The greatest position that can be reached [axis units].
+        greatest: f64,
+        /// The time from the point before it \[s\].
+        duration: f64,
+        /// The first longer time in which the point can be met \[s\]; none where no time helps.
+        needed: Option<f64>,
+    },
+}
+
+/// The way out that lies in time.
+struct AllowTime(Option<f64>);
+
+impl fmt::Display for AllowTime {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(needed) => write!(f, "allow {needed} s"),
+            None => f.write_str("allow the axis to go back, since no longer time helps"),
+        }
+    }
 }
 
 /// One field and what is wrong with it.

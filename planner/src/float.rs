@@ -43,6 +43,22 @@ pub(crate) fn cbrt(x: f64) -> f64 {
     root - (root * root * root - x) * (y * y) * (1.0 / 3.0)
 }
 
+/// `s − a·b`, with the digits that are left where both are nearly equal: the product is taken exactly, as the sum of its
+/// rounding and what that left out (Dekker, 1971). For magnitudes whose products with 2²⁷ are finite.
+#[inline]
+pub(crate) fn minus_product(s: f64, a: f64, b: f64) -> f64 {
+    const SPLIT: f64 = 134_217_729.0; // 2²⁷ + 1
+    let halves = |x: f64| {
+        let scaled = SPLIT * x;
+        let high = scaled - (scaled - x);
+        (high, x - high)
+    };
+    let product = a * b;
+    let ((a_high, a_low), (b_high, b_low)) = (halves(a), halves(b));
+    let rest = ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
+    (s - product) - rest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

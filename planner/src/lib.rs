@@ -90,9 +90,11 @@
 //! 4. The same question for other shapes: [`plan_trapezoid`] is the baseline, constant acceleration and no limit on the
 //!    jerk; [`plan_polynomial`] and [`plan_trigonometric`] are smoother, from rest to rest.
 //! 5. [`Request`], [`plan()`], [`Plan`], [`Sampler`]: several axes over one time base, read cycle by cycle.
-//! 6. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when.
+//! 6. [`PvtPlanner`], [`PvtRequest`], [`plan_pvt`]: position, velocity and time together, a command at a time or point
+//!    after point; [`PvtPolicy`]: what to give up where they cannot all be met.
+//! 7. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when.
 //!    [`Judged`], [`Accepted`]: a plan with both, and one that may be executed.
-//! 7. [`generator`], [`grid`]: without a plan. The stepped form for a control loop, and moves of whole cycles.
+//! 8. [`generator`], [`grid`]: without a plan. The stepped form for a control loop, and moves of whole cycles.
 //!
 //! The derivations and the decisions are in the repository's `notes/`, the laws that hold for every problem in
 //! `tests/laws.rs`.
@@ -101,8 +103,8 @@
 //!
 //! - `std` (default): takes square roots in hardware. Without it the crate needs `alloc` alone, and gives the same bits.
 //!
-//! There is no I/O, no clock and no randomness here, and [`plan_move`], [`Move::at`], [`Cursor::at`] and
-//! [`Sampler::columns`] take nothing from the heap.
+//! There is no I/O, no clock and no randomness here, and [`plan_move`], [`PvtPlanner::command`], [`Move::at`],
+//! [`Cursor::at`] and [`Sampler::columns`] take nothing from the heap.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;
@@ -122,6 +124,7 @@ mod plan;
 mod polynomial;
 mod problem;
 mod profile;
+mod pvt;
 mod quantity;
 mod request;
 mod roots;
@@ -144,6 +147,10 @@ pub use plan::{AxisPlan, Maker, Method, Plan, Sampler, plan};
 pub use polynomial::{PolynomialMove, plan_polynomial};
 pub use problem::Problem;
 pub use profile::{Cursor, Profile};
+pub use pvt::{
+    PvtAxis, PvtAxisSpec, PvtInterpolation, PvtMethod, PvtMove, PvtPlan, PvtPlanner, PvtPointReport,
+    PvtPolicy, PvtRegion, PvtRequest, PvtRequestSpec, PvtTarget, plan_pvt,
+};
 pub use quantity::Quantity;
 pub use request::{
     AxisKind, AxisMove, AxisMoveSpec, Family, MAX_AXES, MAX_NAME_BYTES, Request, RequestSpec, Synchronization,

@@ -4,7 +4,10 @@ use alloc::vec::Vec;
 use crate::error::{Field, InvalidFields, Why};
 use crate::request::{AxisKind, AxisMove, Family, Request, Synchronization};
 use crate::solve::{Adjustment, AdjustmentReason, Move, plan_move, plan_stop, plan_trapezoid};
-use crate::{Classification, Cursor, CycleTime, Limits, Profile, Quantity, Setpoint, ShortPathPolicy, State};
+use crate::{
+    Classification, Cursor, CycleTime, Limits, Profile, PvtInterpolation, PvtMethod, Quantity, Setpoint,
+    ShortPathPolicy, State,
+};
 use crate::{grid, plan_polynomial, plan_trigonometric};
 
 /// How a plan was made, so that an operation on it can be planned the same way.
@@ -20,12 +23,18 @@ pub struct Method {
     pub synchronization: Synchronization,
     /// Stretched to a whole number of cycles?
     pub end_on_cycle: bool,
+    /// Through points of position, velocity and time? Then `family` and `order` say what the pieces are made of.
+    pub pvt: Option<PvtMethod>,
 }
 
 impl Method {
-    /// The derivatives that a plan made so keeps within limits: all up to its order.
+    /// The derivatives that a plan made so keeps within limits: all up to its order, but for points joined by cubics and
+    /// quintics, which keep none.
     #[must_use]
     pub fn promises(self) -> &'static [Quantity] {
+        if self.pvt.is_some_and(|pvt| pvt.interpolation != PvtInterpolation::SShaped) {
+            return &[];
+        }
         Quantity::BY_ORDER.get(1..=self.order as usize).unwrap_or_default()
     }
 }
@@ -282,6 +291,7 @@ pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
         short_path: request.short_path(),
         synchronization: request.synchronization(),
         end_on_cycle: request.end_on_cycle(),
+        pvt: None,
     };
     let plan = Plan::new(method, method.promises().to_vec(), request.cycle_time(), axes)?;
     if plan.duration < request.minimum_duration() {

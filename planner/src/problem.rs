@@ -105,7 +105,20 @@ fn outside(end: &str, given: f64, allowed: f64, limit: &'static str) -> Why {
     }
 }
 
-fn within_limits(invalid: &mut InvalidFields, end: &str, state: &State, limits: &Limits) {
+/// The fastest that is allowed in the direction of `velocity`, signed, and the limit that says so, where it is less.
+pub(crate) fn too_fast(velocity: f64, limits: &Limits) -> Option<(f64, &'static str)> {
+    let fastest = limits.velocity_towards(velocity);
+    let cruise = limits.cruise_towards(velocity);
+    if velocity.abs() > fastest {
+        let backward = velocity < 0.0 && limits.spec().max_velocity_reverse.is_some();
+        let limit = if backward { "limits.max_velocity_reverse" } else { "limits.max_velocity" };
+        Some((fastest.copysign(velocity), limit))
+    } else {
+        (velocity.abs() > cruise).then(|| (cruise.copysign(velocity), "limits.feed_rate"))
+    }
+}
+
+pub(crate) fn within_limits(invalid: &mut InvalidFields, end: &str, state: &State, limits: &Limits) {
     let mut inner = InvalidFields::default();
     let State { position, velocity, acceleration } = *state;
     let clamped = position.max(limits.min_position()).min(limits.max_position());
@@ -114,15 +127,8 @@ fn within_limits(invalid: &mut InvalidFields, end: &str, state: &State, limits: 
     } else if position > clamped {
         inner.note("position", Some(outside(end, position, clamped, "limits.max_position")));
     }
-    let fastest = limits.velocity_towards(velocity);
-    let cruise = limits.cruise_towards(velocity);
-    if velocity.abs() > fastest {
-        let backward = velocity < 0.0 && limits.spec().max_velocity_reverse.is_some();
-        let limit = if backward { "limits.max_velocity_reverse" } else { "limits.max_velocity" };
-        inner.note("velocity", Some(outside(end, velocity, fastest.copysign(velocity), limit)));
-    } else if velocity.abs() > cruise {
-        inner.note("velocity", Some(outside(end, velocity, cruise.copysign(velocity), "limits.feed_rate")));
-    }
+    let too_fast = too_fast(velocity, limits);
+    inner.note("velocity", too_fast.map(|(allowed, limit)| outside(end, velocity, allowed, limit)));
     if acceleration != 0.0 {
         let instead = "begin and end with an acceleration of zero";
         let what = "an acceleration at the start or the goal";

@@ -85,6 +85,37 @@ impl Profile {
         Self::new(segments, end)
     }
 
+    /// When the axis turns back \[s\]: each instant at which the velocity changes its sign, in order.
+    ///
+    /// ```
+    /// # use planner::{Law, Profile, Segment, State};
+    /// let throw = Segment {
+    ///     duration: 2.0,
+    ///     start: State { position: 0.0, velocity: 4.0, acceleration: -4.0 },
+    ///     law: Law::ConstantJerk(0.0),
+    /// };
+    /// assert_eq!(Profile::new(vec![throw], throw.end()).reversals().collect::<Vec<_>>(), [1.0]);
+    /// ```
+    pub fn reversals(&self) -> impl Iterator<Item = f64> {
+        let mut sign = 0.0;
+        self.timed_segments()
+            .flat_map(|(begin, segment)| {
+                let times = segment.turning_points();
+                // Between two turning points the velocity keeps its sign.
+                (1..times.len()).map(move |index| {
+                    let middle = 0.5 * (times[index - 1] + times[index]);
+                    (begin + times[index - 1], segment.at(middle).state.velocity)
+                })
+            })
+            .filter_map(move |(time, velocity)| {
+                let turns = velocity * sign < 0.0;
+                if velocity != 0.0 {
+                    sign = velocity.signum();
+                }
+                turns.then_some(time)
+            })
+    }
+
     /// The same motion with `more` after it.
     #[must_use]
     pub fn followed_by(&self, more: &Profile) -> Self {

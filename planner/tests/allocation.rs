@@ -8,8 +8,9 @@ use std::cell::Cell;
 use std::hint::black_box;
 
 use planner::{
-    AxisKind, AxisMoveSpec, Cursor, Family, LimitsSpec, Problem, Request, RequestSpec, ShortPathPolicy,
-    State, Synchronization, plan, plan_move, plan_polynomial, plan_trigonometric,
+    AxisKind, AxisMoveSpec, Cursor, Family, LimitsSpec, Problem, PvtPlanner, PvtPolicy, PvtTarget, Request,
+    RequestSpec, ShortPathPolicy, State, Synchronization, plan, plan_move, plan_polynomial,
+    plan_trigonometric,
 };
 
 thread_local! {
@@ -144,4 +145,21 @@ fn reading_allocates_nothing() {
     });
     assert_eq!(count, 0);
     assert!((column[1299] - 0.425).abs() < f64::EPSILON);
+}
+
+/// One command after another, met and not met, under every policy that adjusts.
+#[test]
+fn a_command_of_position_velocity_and_time_allocates_nothing() {
+    for policy in [PvtPolicy::PreferVelocity, PvtPolicy::PreferPosition, PvtPolicy::ExtendTime] {
+        let limits = LimitsSpec { max_deceleration: Some(3.0), ..limits() };
+        let mut planner = PvtPlanner::new(State::at_rest(0.0), limits.try_into().unwrap(), policy).unwrap();
+        let targets = [(0.002, 0.1), (0.1, 0.1), (-0.1, -0.4), (0.0, 0.0), (0.0, 0.5), (0.02, 0.45)];
+        let count = allocations(|| {
+            for (position, velocity) in targets {
+                let target = PvtTarget { position, velocity, duration: 0.05 };
+                black_box(planner.command(black_box(target))).unwrap();
+            }
+        });
+        assert_eq!(count, 0, "{policy:?}");
+    }
 }

@@ -6,7 +6,10 @@
 mod common;
 
 use common::polynomial_problem;
-use planner::{Profile, plan_move, plan_polynomial, plan_trigonometric};
+use planner::{
+    LimitsSpec, Profile, PvtPlanner, PvtPolicy, PvtTarget, State, plan_move, plan_polynomial,
+    plan_trigonometric,
+};
 
 /// The hash of Fowler, Noll and Vo over the words of a thousand setpoints and of every piece.
 fn hash(profile: &Profile) -> u64 {
@@ -56,6 +59,41 @@ fn plans_sample_to_these_bits() {
         0xab3f_992e_b112_845f,
         0x7926_d253_1191_0091,
         0x2278_f7f5_753e_ac2d,
+    ];
+    assert_eq!(found, expected, "{found:#018x?}");
+}
+
+/// Commands in every region, met and not met, under every policy that adjusts, with one limit of acceleration and with two.
+#[test]
+fn commands_sample_to_these_bits() {
+    let targets =
+        [(0.002, 0.1), (0.1, 0.1), (-0.1, -0.4), (-0.09, -0.3), (0.0, 0.0), (0.01, 0.5), (0.03, 0.45)];
+    let mut found = Vec::new();
+    for policy in [PvtPolicy::PreferVelocity, PvtPolicy::PreferPosition, PvtPolicy::ExtendTime] {
+        for max_deceleration in [None, Some(1.0)] {
+            let [max_velocity, max_acceleration, ..] = LIMITS;
+            let max_jerk = 300.0;
+            let spec = LimitsSpec {
+                max_velocity,
+                max_acceleration,
+                max_jerk,
+                max_deceleration,
+                ..LimitsSpec::default()
+            };
+            let mut axis = PvtPlanner::new(State::at_rest(0.0), spec.try_into().unwrap(), policy).unwrap();
+            found.push(targets.iter().fold(0, |hashes: u64, &(position, velocity)| {
+                let planned = axis.command(PvtTarget { position, velocity, duration: 0.07 }).unwrap();
+                hashes.rotate_left(1) ^ hash(&planned.motion().to_profile())
+            }));
+        }
+    }
+    let expected: [u64; 6] = [
+        0xa71a_6880_c1d3_75c7,
+        0x06b4_0abd_a48a_18fe,
+        0x6c99_b8df_5078_86f3,
+        0xea70_aa25_7740_3be4,
+        0x2e50_bc41_cd03_b579,
+        0x899a_d1f0_3e1b_ff80,
     ];
     assert_eq!(found, expected, "{found:#018x?}");
 }

@@ -11,10 +11,10 @@ pub(crate) fn run(args: &VerifyArgs, endpoint: Option<&str>, screen: &mut Screen
     let against = args.against.as_deref().map(source::against).transpose()?;
     let certificate = Service::open(endpoint)?.verify(&plan, against.unwrap_or_default())?;
     let honest = misstated.is_empty();
-    if screen.json && honest {
+    if screen.json && (honest || !certificate.passed()) {
         writeln!(screen.out, "{}", json::verify_response(&certificate)?)?;
     } else if screen.json {
-        // As everybody else refuses it.
+        // As the service refuses it.
         writeln!(screen.out, "{}", json::error(&misstated.into()))?;
     } else {
         table::certificate(screen, &plan, &certificate)?;

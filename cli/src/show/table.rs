@@ -327,6 +327,11 @@ fn why(reason: AdjustmentReason) -> &'static str {
         AdjustmentReason::PathTooShortNearestVelocity => "the nearest that so short a path can reach",
         AdjustmentReason::FeedRateAboveLimit => "since the feed rate is above the velocity limit",
         AdjustmentReason::ClosingStop => "since a stop was put after the end",
+        AdjustmentReason::PvtTimeTooShort => "the nearest that can be reached in so short a time",
+        AdjustmentReason::PvtOutOfReach => "since the limits do not let it be met",
+        AdjustmentReason::PvtTimeExtended => "the first time at which it can be met",
+        AdjustmentReason::PvtTimeShifted => "since another axis or a point before it took longer",
+        AdjustmentReason::PvtFinishedLate => "since a move to the last point was put after the others",
     }
 }
 

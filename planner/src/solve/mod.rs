@@ -6,7 +6,7 @@ mod nearest;
 mod on_cycles;
 mod pieces;
 mod planned;
-mod ramp;
+pub(crate) mod ramp;
 mod s_curve;
 mod trapezoid;
 

@@ -66,15 +66,30 @@ pub enum AdjustmentReason {
     FeedRateAboveLimit,
     /// The plan ends at speed, and a stop was put after it.
     ClosingStop,
+    /// The time to a point is too short for its velocity, which became the nearest that can be reached.
+    PvtTimeTooShort,
+    /// No motion within the limits reaches a point with its velocity and at its time; by policy it is met otherwise.
+    PvtOutOfReach,
+    /// A point is met later, at the first time at which it can be.
+    PvtTimeExtended,
+    /// A point is met later, since another axis or a point before it took more time.
+    PvtTimeShifted,
+    /// The last point was not reached in time, and a move to it was put after the others.
+    PvtFinishedLate,
 }
 
 impl AdjustmentReason {
     /// Every reason.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 9] = [
         Self::PathTooShortStartVelocity,
         Self::PathTooShortNearestVelocity,
         Self::FeedRateAboveLimit,
         Self::ClosingStop,
+        Self::PvtTimeTooShort,
+        Self::PvtOutOfReach,
+        Self::PvtTimeExtended,
+        Self::PvtTimeShifted,
+        Self::PvtFinishedLate,
     ];
 
     /// The name on the wire.
@@ -85,6 +100,11 @@ impl AdjustmentReason {
             Self::PathTooShortNearestVelocity => "PATH_TOO_SHORT_NEAREST_VELOCITY",
             Self::FeedRateAboveLimit => "FEED_RATE_ABOVE_LIMIT",
             Self::ClosingStop => "CLOSING_STOP",
+            Self::PvtTimeTooShort => "PVT_TIME_TOO_SHORT",
+            Self::PvtOutOfReach => "PVT_OUT_OF_REACH",
+            Self::PvtTimeExtended => "PVT_TIME_EXTENDED",
+            Self::PvtTimeShifted => "PVT_TIME_SHIFTED",
+            Self::PvtFinishedLate => "PVT_FINISHED_LATE",
         }
     }
 }
@@ -102,6 +122,31 @@ impl Move {
         adjustments.extend(adjustment);
         let (pieces, classification) = (ArrayVec::new(), Classification::default());
         Self { pieces, pulses: Pulses::Cosines, reached, adjustments, classification }
+    }
+
+    /// A motion of rectangles of jerk that has no pieces, to be begun.
+    #[inline]
+    pub(crate) fn of_rectangles() -> Self {
+        Self {
+            pieces: ArrayVec::new(),
+            pulses: Pulses::Rectangles,
+            reached: State::at_rest(0.0),
+            adjustments: ArrayVec::new(),
+            classification: Classification::default(),
+        }
+    }
+
+    /// Makes it another motion, to `reached`, that has no pieces yet.
+    #[inline]
+    pub(crate) fn begin(&mut self, reached: State) {
+        self.pieces.clear();
+        self.adjustments.clear();
+        self.reached = reached;
+    }
+
+    /// Says what is not as asked.
+    pub(crate) fn adjust(&mut self, adjustment: Adjustment) {
+        self.adjustments.push(adjustment);
     }
 
     /// The pieces, to be laid.

@@ -9,25 +9,25 @@ use crate::float::{largest, sqrt};
 /// ```
 /// Source: Bui, Le and Doan (2021), equations (1) to (3).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Ramp {
-    pub(super) jerk_time: f64,
-    pub(super) hold_time: f64,
+pub(crate) struct Ramp {
+    pub(crate) jerk_time: f64,
+    pub(crate) hold_time: f64,
 }
 
 impl Ramp {
     /// Reaches the acceleration limit.
-    pub(super) fn ladder(change: f64, acceleration: f64, jerk: f64) -> Self {
+    pub(crate) fn ladder(change: f64, acceleration: f64, jerk: f64) -> Self {
         let jerk_time = acceleration / jerk;
         Self { jerk_time, hold_time: largest(0.0, change / acceleration - jerk_time) }
     }
 
     /// Does not reach it. Takes the *root* of the change: near a large speed the change itself may be below one ulp.
-    pub(super) fn triangle(root_of_change: f64, root_of_jerk: f64) -> Self {
+    pub(crate) fn triangle(root_of_change: f64, root_of_jerk: f64) -> Self {
         Self { jerk_time: root_of_change / root_of_jerk, hold_time: 0.0 }
     }
 
     /// The ramp over `change ≥ 0`.
-    pub(super) fn over(change: f64, acceleration: f64, jerk: f64) -> Self {
+    pub(crate) fn over(change: f64, acceleration: f64, jerk: f64) -> Self {
         if reaches(change, acceleration, jerk) {
             Self::ladder(change, acceleration, jerk)
         } else {
@@ -35,17 +35,17 @@ impl Ramp {
         }
     }
 
-    pub(super) fn time(&self) -> f64 {
+    pub(crate) fn time(&self) -> f64 {
         2.0 * self.jerk_time + self.hold_time
     }
 }
 
 /// Does a change of speed reach the acceleration limit? Written without a quotient, which would round at the boundary.
-pub(super) fn reaches(change: f64, acceleration: f64, jerk: f64) -> bool {
+pub(crate) fn reaches(change: f64, acceleration: f64, jerk: f64) -> bool {
     change * jerk >= acceleration * acceleration
 }
 
 /// The length of a ramp between two speeds: its time times their mean, since it is point-symmetric.
-pub(super) fn length(from: f64, to: f64, acceleration: f64, jerk: f64) -> f64 {
+pub(crate) fn length(from: f64, to: f64, acceleration: f64, jerk: f64) -> f64 {
     0.5 * (from + to) * Ramp::over((to - from).abs(), acceleration, jerk).time()
 }

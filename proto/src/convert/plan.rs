@@ -27,7 +27,8 @@ pub fn plan_to_wire(judged: &Judged) -> pb::Plan {
 
 fn to_wire(plan: &Plan) -> pb::Plan {
     let Maker { planner_version, evaluation_version } = plan.maker().clone();
-    let Method { family, order, short_path, synchronization, end_on_cycle } = plan.method();
+    // No plan through points comes here: `PlanPvt` is not implemented.
+    let Method { family, order, short_path, synchronization, end_on_cycle, pvt: _ } = plan.method();
     pb::Plan {
         fingerprint: Vec::new(),
         planner_version,

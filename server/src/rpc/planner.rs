@@ -1,6 +1,6 @@
 use ::planner::{Judged, Request as PlanRequest, RequestSpec, certify, certify_against};
 use proto::pb::planner_service_server::PlannerService;
-use proto::{Rejected, pb, plan_from_wire, plan_to_wire};
+use proto::{Rejected, pb, plan_as_it_is, plan_to_wire};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
@@ -24,15 +24,20 @@ fn plan(wire: pb::PlanRequest) -> Result<pb::PlanResponse, Rejected> {
     Ok(pb::PlanResponse { plan: Some(plan_to_wire(&judged)) })
 }
 
+/// A motion that fails the judge is answered with what he found, whatever else the plan says of itself: that is the
+/// question. Only of a motion that passes is it an error that the plan misstates it.
 fn verify(wire: pb::VerifyPlanRequest) -> Result<pb::VerifyPlanResponse, Rejected> {
     let pb::VerifyPlanRequest { plan, against } = wire;
-    let plan = plan_from_wire(plan.unwrap_or_default()).map_err(sample::within_plan)?;
+    let (plan, misstated) = plan_as_it_is(plan.unwrap_or_default()).map_err(sample::within_plan)?;
     let certificate = if against.is_empty() {
         certify(&plan)
     } else {
         let pairs = proto::against(&plan, against.into_iter().map(Into::into).collect())?;
         certify_against(&plan, pairs.iter().map(|(limits, goal)| (limits, *goal)))
     };
+    if certificate.passed() {
+        misstated.into_result(()).map_err(sample::within_plan)?;
+    }
     Ok(pb::VerifyPlanResponse { certificate: Some((&certificate).into()) })
 }
 

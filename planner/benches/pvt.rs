@@ -1,0 +1,150 @@
+//! What does a command of position, velocity and time cost, and what do ten thousand points of six axes?
+//!
+//! ```text
+//! cargo bench -p portamento-planner --bench pvt
+//! ```
+//! The paper (doi:10.1177/17298814211072418) measures 1.562 µs on average and 10.523 µs at worst for a command.
+
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "criterion's macros write functions without documentation; a bench may fail by panicking and print"
+)]
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use common::Random;
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use planner::{
+    AxisKind, Judged, Limits, LimitsSpec, PvtAxisSpec, PvtInterpolation, PvtPlanner, PvtPolicy, PvtRequest,
+    PvtRequestSpec, PvtTarget, State, certify, plan_pvt,
+};
+
+const COMMANDS: usize = 4096;
+/// Calls before the measured ones, so that code and data are there.
+const WARM: usize = 2;
+const BEAT: f64 = 0.05;
+
+fn limits() -> LimitsSpec {
+    LimitsSpec { max_velocity: 0.5, max_acceleration: 5.0, max_jerk: 200.0, ..LimitsSpec::default() }
+}
+
+/// A target that is tracked at a beat: most commands can be met, about one in ten cannot.
+fn tracked(random: &mut Random, count: usize) -> Vec<(f64, f64)> {
+    let (mut position, mut velocity) = (0.0, 0.0);
+    (0..count)
+        .map(|_| {
+            let wild = random.bits().is_multiple_of(24);
+            let change = if wild { random.between(-0.3, 0.3) } else { random.between(-0.05, 0.05) };
+            let next = f64::clamp(velocity + change, -0.5, 0.5);
+            let off = if wild { 2e-3 } else { 1e-4 };
+            position += 0.5 * (velocity + next) * BEAT + random.between(-off, off);
+            velocity = next;
+            (position, velocity)
+        })
+        .collect()
+}
+
+fn commands(criterion: &mut Criterion) {
+    let tracked = tracked(&mut Random(17), COMMANDS);
+    let start = State::at_rest(0.0);
+    let limits: Limits = limits().try_into().unwrap();
+    for (name, policy) in [
+        ("prefer_velocity", PvtPolicy::PreferVelocity),
+        ("prefer_position", PvtPolicy::PreferPosition),
+        ("extend_time", PvtPolicy::ExtendTime),
+    ] {
+        let planner = PvtPlanner::new(start, limits.clone(), policy).unwrap();
+        let (mut axis, mut cycle) = (planner.clone(), tracked.iter().cycle());
+        criterion.bench_function(&format!("pvt/command/{name}"), |bencher| {
+            bencher.iter(|| {
+                let &(position, velocity) = cycle.next().unwrap();
+                black_box(&axis.command(black_box(PvtTarget { position, velocity, duration: BEAT }))).is_ok()
+            });
+        });
+        print_tail(name, &planner, &tracked);
+    }
+}
+
+/// The distribution over single commands, clock included: the least of several runs for each, since what interrupts one run does
+/// not interrupt the same command in all of them.
+fn print_tail(name: &str, planner: &PvtPlanner, tracked: &[(f64, f64)]) {
+    let mut least = vec![f64::INFINITY; tracked.len()];
+    let mut adjusted = 0;
+    for run in 0..WARM + 20 {
+        let mut axis = planner.clone();
+        adjusted = 0;
+        for (least, &(position, velocity)) in least.iter_mut().zip(tracked) {
+            let target = black_box(PvtTarget { position, velocity, duration: BEAT });
+            let begin = Instant::now();
+            let planned = axis.command(target);
+            black_box(&planned);
+            let took = begin.elapsed().as_nanos() as f64;
+            adjusted += usize::from(!planned.unwrap().motion().adjustments().is_empty());
+            if run >= WARM {
+                *least = least.min(took);
+            }
+        }
+    }
+    least.sort_unstable_by(f64::total_cmp);
+    let mean = least.iter().sum::<f64>() / least.len() as f64;
+    let tail = least[least.len() * 999 / 1000];
+    let worst = least[least.len() - 1];
+    println!(
+        "{name}: mean {mean:.0} ns, p99.9 {tail:.0} ns, worst {worst:.0} ns, with the clock; {adjusted} of {} adjusted",
+        least.len()
+    );
+}
+
+fn sequences(criterion: &mut Criterion) {
+    let mut random = Random(19);
+    let axes = (0..6)
+        .map(|index| {
+            let points = tracked(&mut random, 10_000);
+            PvtAxisSpec {
+                axis: format!("axis {index}"),
+                kind: Ok(AxisKind::Prismatic),
+                limits: limits(),
+                start: State::at_rest(0.0),
+                times: (1..=10_000).map(|n| f64::from(n) * BEAT).collect(),
+                positions: points.iter().map(|point| point.0).collect(),
+                velocities: points.iter().map(|point| point.1).collect(),
+            }
+        })
+        .collect();
+    let spec = PvtRequestSpec {
+        axes,
+        cycle_time_ns: None,
+        interpolation: Ok(PvtInterpolation::SShaped),
+        policy: Ok(PvtPolicy::PreferVelocity),
+        finish_unreached: false,
+    };
+    let request = PvtRequest::try_from(spec.clone()).unwrap();
+    let planned = plan_pvt(&request).unwrap();
+    assert!(certify(planned.plan()).passed());
+    let segments: usize = planned.plan().axes().iter().map(|axis| axis.profile.segments().len()).sum();
+    println!("10 000 points of 6 axes: {segments} pieces");
+    let mut group = criterion.benchmark_group("pvt/10000_points_of_6_axes");
+    group.sample_size(10);
+    group.bench_function("check", |bencher| {
+        bencher.iter_batched(
+            || spec.clone(),
+            |spec| PvtRequest::try_from(spec).is_ok(),
+            BatchSize::LargeInput,
+        );
+    });
+    group.bench_function("plan", |bencher| bencher.iter(|| plan_pvt(black_box(&request)).is_ok()));
+    group.bench_function("verify", |bencher| bencher.iter(|| certify(black_box(planned.plan())).passed()));
+    group.bench_function("verify and explain", |bencher| {
+        bencher.iter_batched(|| planned.plan().clone(), Judged::new, BatchSize::LargeInput);
+    });
+    group.finish();
+}
+
+criterion_group!(benches, commands, sequences);
+criterion_main!(benches);

@@ -1,0 +1,208 @@
+//! Two axes track a target that a camera sees 20 times a second: the experiment of the paper on position, velocity and time
+//! (doi:10.1177/17298814211072418), its figures 9 to 14 and its table of times.
+//!
+//! ```text
+//! cargo run --release -p portamento-planner --example 05_pvt -- FOLDER        # a table, and six figures in FOLDER
+//! cargo run -p portamento-planner --example 05_pvt -- --record                # the recording, as it was made
+//! ```
+//! The paper's recording and limits are not printed there; `recording.csv` is made from a seed by `recording.rs`.
+
+#![allow(clippy::print_stdout, reason = "the table is what the example is for")]
+
+mod recording;
+mod svg;
+
+use std::error::Error;
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use planner::{
+    AxisKind, AxisPlan, Judged, Limits, PvtAxisSpec, PvtInterpolation, PvtPlan, PvtPlanner, PvtPolicy,
+    PvtRequest, PvtRequestSpec, PvtTarget, Quantity, Segment, Setpoint, State, plan_pvt,
+};
+use recording::{BEAT, FASTEST, Row};
+use svg::{Panel, figure};
+
+const RECORDING: &str = include_str!("recording.csv");
+const AXES: [&str; 2] = ["x", "y"];
+/// Each method with the number of its figure for the first axis.
+const METHODS: [(PvtInterpolation, &str, usize); 3] = [
+    (PvtInterpolation::SShaped, "S-shaped", 9),
+    (PvtInterpolation::Cubic, "cubic", 11),
+    (PvtInterpolation::Quintic, "quintic", 13),
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let argument = std::env::args().nth(1);
+    if argument.as_deref() == Some("--record") {
+        print!("{}", recording::table()?);
+        return Ok(());
+    }
+    let rows = recording::read(RECORDING)?;
+    println!("{} commands for each of {} axes, one every {} ms\n", rows.len(), AXES.len(), BEAT * 1e3);
+    println!("method    axis  velocity       acceleration   jerk           reversals   adjusted");
+    for (interpolation, name, number) in METHODS {
+        let planned = plan_pvt(&request(&rows, interpolation)?)?;
+        let adjusted = |axis| {
+            let points = planned.points().iter().filter(|report| report.axis == axis);
+            points.filter(|report| !report.adjustments.is_empty()).count()
+        };
+        let adjusted = [adjusted(0), adjusted(1)];
+        print_extremes(name, &planned, adjusted);
+        if let Some(folder) = &argument {
+            std::fs::create_dir_all(folder)?;
+            for (index, axis) in planned.plan().axes().iter().enumerate() {
+                let figure = draw(axis, name, &rows, index, adjusted[index])?;
+                let file = format!("figure_{:02}_{}_{name}.svg", number + index, axis.axis);
+                std::fs::write(Path::new(folder).join(file), figure)?;
+            }
+        }
+    }
+    print_times(&rows)
+}
+
+fn limits() -> Result<Limits, planner::InvalidFields> {
+    Limits::symmetric(FASTEST, 4.0, 160.0)
+}
+
+fn request(rows: &[Row], interpolation: PvtInterpolation) -> Result<PvtRequest, Box<dyn Error>> {
+    let limits = limits()?.spec().clone();
+    let axis = |(index, name): (usize, &&str)| PvtAxisSpec {
+        axis: (*name).into(),
+        kind: Ok(AxisKind::Prismatic),
+        limits: limits.clone(),
+        start: State::at_rest(0.0),
+        times: rows.iter().map(|row| row.time).collect(),
+        positions: rows.iter().map(|row| row.position[index]).collect(),
+        velocities: rows.iter().map(|row| row.velocity[index]).collect(),
+    };
+    Ok(PvtRequest::try_from(PvtRequestSpec {
+        axes: AXES.iter().enumerate().map(axis).collect(),
+        cycle_time_ns: None,
+        interpolation: Ok(interpolation),
+        policy: Ok(PvtPolicy::PreferVelocity),
+        finish_unreached: true,
+    })?)
+}
+
+/// What the judge finds: each extreme, as a part of its limit.
+fn print_extremes(name: &str, planned: &PvtPlan, adjusted: [usize; 2]) {
+    let judged = Judged::new(planned.plan().clone());
+    for (index, axis) in planned.plan().axes().iter().enumerate() {
+        let cell = |quantity| {
+            let mut checks = judged.certificate().limits.iter();
+            let check = checks.find(|check| check.axis == axis.axis && check.quantity == quantity);
+            check.map_or_else(String::new, |check| {
+                let part = 100.0 * (1.0 - check.margin);
+                if part.is_infinite() {
+                    "jumps".into()
+                } else {
+                    // Rounding is not worth a word.
+                    format!("{part:.0} %{}", if check.margin < -1e-9 { " BROKEN" } else { "" })
+                }
+            })
+        };
+        println!(
+            "{name:<10}{:<6}{:<15}{:<15}{:<15}{:<12}{}",
+            axis.axis,
+            cell(Quantity::Velocity),
+            cell(Quantity::Acceleration),
+            cell(Quantity::Jerk),
+            axis.profile.reversals().count(),
+            adjusted[index]
+        );
+    }
+}
+
+/// One command at a time, as they come.
+fn print_times(rows: &[Row]) -> Result<(), Box<dyn Error>> {
+    const ROUNDS: usize = 2000;
+    let mut took = Vec::with_capacity(ROUNDS * rows.len());
+    for round in 0..ROUNDS {
+        let mut axis = PvtPlanner::new(State::at_rest(0.0), limits()?, PvtPolicy::PreferVelocity)?;
+        for row in rows {
+            let (position, velocity) = (row.position[round % 2], row.velocity[round % 2]);
+            let target = black_box(PvtTarget { position, velocity, duration: BEAT });
+            let begin = Instant::now();
+            let planned = axis.command(target);
+            black_box(&planned);
+            took.push(begin.elapsed().as_nanos());
+            planned?;
+        }
+    }
+    took.sort_unstable();
+    let mean = took.iter().sum::<u128>() as f64 / took.len() as f64;
+    let (median, tail) = (took[took.len() / 2], took[took.len() * 999 / 1000]);
+    let worst = took[took.len() - 1];
+    println!(
+        "\none S-shaped command, clock included: mean {mean:.0} ns, median {median} ns, p99.9 {tail} ns, worst {worst} ns of {}",
+        took.len()
+    );
+    println!("the paper: mean 1562 ns, worst 10523 ns");
+    Ok(())
+}
+
+/// Position, velocity, acceleration and jerk over time, at every millisecond and at every joint.
+fn draw(
+    axis: &AxisPlan,
+    name: &str,
+    rows: &[Row],
+    index: usize,
+    adjusted: usize,
+) -> Result<String, std::fmt::Error> {
+    let profile = &axis.profile;
+    let end = profile.duration();
+    let (mut position, mut velocity, mut acceleration, mut jerk) = (vec![], vec![], vec![], vec![]);
+    for (begin, segment) in profile.timed_segments() {
+        for (time, setpoint) in milliseconds(segment) {
+            let Setpoint { state, jerk: rate } = setpoint;
+            position.push([begin + time, state.position]);
+            velocity.push([begin + time, state.velocity]);
+            acceleration.push([begin + time, state.acceleration]);
+            jerk.push([begin + time, rate]);
+        }
+    }
+    let limits = &axis.limits;
+    let both = |limit: f64| Some([-limit, limit]);
+    let dots = |value: fn(&Row, usize) -> f64| rows.iter().map(|row| [row.time, value(row, index)]).collect();
+    let panels = [
+        Panel {
+            title: "position",
+            unit: "m",
+            line: position,
+            dots: dots(|row, axis| row.position[axis]),
+            limits: None,
+        },
+        Panel {
+            title: "velocity",
+            unit: "m/s",
+            line: velocity,
+            dots: dots(|row, axis| row.velocity[axis]),
+            limits: both(limits.velocity_forward()),
+        },
+        Panel {
+            title: "acceleration",
+            unit: "m/s²",
+            line: acceleration,
+            dots: vec![],
+            limits: both(limits.acceleration()),
+        },
+        Panel { title: "jerk", unit: "m/s³", line: jerk, dots: vec![], limits: both(limits.jerk()) },
+    ];
+    let words = format!(
+        "dots: commands every {} ms, {adjusted} of {} adjusted; dashed: limits; reversals: {}",
+        BEAT * 1e3,
+        rows.len(),
+        profile.reversals().count()
+    );
+    figure(&format!("Axis {}, {name}", axis.axis), &words, end, &panels)
+}
+
+fn milliseconds(segment: &Segment) -> impl Iterator<Item = (f64, Setpoint)> {
+    let steps = (segment.duration / 1e-3).ceil().max(1.0) as u32;
+    (0..=steps).map(move |step| {
+        let time = segment.duration * f64::from(step) / f64::from(steps);
+        (time, segment.at(time))
+    })
+}

@@ -1,0 +1,385 @@
+//! Point after point, of several axes over one list of times.
+
+use alloc::vec::Vec;
+
+use arrayvec::ArrayVec;
+
+use super::lane::MAX_LANES;
+use super::planner::{Axis, PvtMove, PvtTarget, Refusal};
+use super::request::field;
+use super::{PvtAxis, PvtInterpolation, PvtPolicy, PvtRegion, PvtRequest, polynomial};
+use crate::classify::Classification;
+use crate::error::{Field, InvalidFields, Why};
+use crate::float::{largest, least};
+use crate::{
+    Adjustment, AdjustmentReason, AxisPlan, Family, Method, Move, Plan, Problem, Profile, PvtMethod,
+    Quantity, Segment, ShortPathPolicy, State, Synchronization, plan_move,
+};
+
+/// The pieces of a command with two ramps, neither of which reaches the acceleration limit: what most have.
+const USUAL_PIECES: usize = 5;
+
+/// What became of one point of one axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PvtPointReport {
+    /// Index of the axis in the plan.
+    pub axis: usize,
+    /// Index of the point.
+    pub point: usize,
+    /// Where the displacement lies between the extremes; `None` for a polynomial.
+    pub region: Option<PvtRegion>,
+    /// Where the axis is then [axis units].
+    pub position: f64,
+    /// How fast it is then [axis units/s].
+    pub velocity: f64,
+    /// When that is \[s\] from the start.
+    pub time: f64,
+    /// The least and the greatest displacement from the point before [axis units] that the limits allow, with the velocity
+    /// and in the time as planned; `None` where a polynomial is asked for a velocity for which there is no time.
+    pub reachable: Option<(f64, f64)>,
+    /// What is not as asked: position, velocity, time.
+    pub adjustments: ArrayVec<Adjustment, 3>,
+}
+
+/// A motion through points, with a report on each of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PvtPlan {
+    plan: Plan,
+    points: Vec<PvtPointReport>,
+}
+
+impl PvtPlan {
+    /// The motion.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// One report for each axis and point, axis by axis.
+    #[must_use]
+    pub fn points(&self) -> &[PvtPointReport] {
+        &self.points
+    }
+
+    /// The motion and the reports.
+    #[must_use]
+    pub fn into_parts(self) -> (Plan, Vec<PvtPointReport>) {
+        (self.plan, self.points)
+    }
+}
+
+/// Plans the motion through the points of a request.
+///
+/// Each point is a command of its own, from where the axis then is: positions are absolute, so what one command does not reach is
+/// made up by the next. The times are absolute too and do not drift. Where [`PvtPolicy::ExtendTime`] gives one axis more
+/// time for a point, all axes take that time, so that they stay together; the intervals after it keep their lengths, and all
+/// later points are met later by as much.
+///
+/// # Errors
+/// Of each axis the first point that cannot be met and that the policy does not adjust: [`Why::PvtTimeTooShort`],
+/// [`Why::PvtOutOfReach`], [`Why::PositionLimit`]. Where the last point is to be finished, what [`plan_move`] does not
+/// do yet.
+pub fn plan_pvt(request: &PvtRequest) -> Result<PvtPlan, InvalidFields> {
+    let mut invalid = InvalidFields::default();
+    let mut drives: Vec<Drive<'_>> = request.axes().iter().map(|axis| Drive::new(axis, request)).collect();
+    // How much later than asked the points are met.
+    let mut shift = 0.0;
+    let mut before = 0.0;
+    let mut planned = PvtMove::unplanned();
+    for (point, &time) in request.times().iter().enumerate() {
+        let interval = time - before;
+        before = time;
+        let mut beat = Beat { point, asked: time, time: time + shift, duration: interval, interval };
+        if request.policy() == PvtPolicy::ExtendTime {
+            beat.extend(&mut drives);
+            shift += beat.duration - interval;
+            beat.time = time + shift;
+        }
+        for (axis, drive) in drives.iter_mut().enumerate().filter(|(_, drive)| drive.refusal.is_none()) {
+            drive.go(&mut planned, axis, request, &beat);
+        }
+    }
+    for (index, drive) in drives.iter_mut().enumerate() {
+        if let Some((point, (quantity, why))) = drive.refusal.take() {
+            let outer = Field::element("axes", index);
+            invalid.note(field(quantity, point).within(&outer).as_str(), Some(why));
+        }
+    }
+    if invalid.is_empty() && request.finish_unreached() {
+        finish_unreached(&mut invalid, &mut drives);
+    }
+    if !invalid.is_empty() {
+        return Err(invalid);
+    }
+    joined(request, drives)
+}
+
+/// Puts the axes onto one time base.
+fn joined(request: &PvtRequest, drives: Vec<Drive<'_>>) -> Result<PvtPlan, InvalidFields> {
+    let interpolation = request.interpolation();
+    let (family, order, guaranteed) = match interpolation {
+        PvtInterpolation::SShaped => (Family::SCurve, 3, Quantity::BY_ORDER[1..=3].to_vec()),
+        PvtInterpolation::Cubic => (Family::Polynomial, 3, Vec::new()),
+        PvtInterpolation::Quintic => (Family::Polynomial, 5, Vec::new()),
+    };
+    let method = Method {
+        family,
+        order,
+        short_path: ShortPathPolicy::default(),
+        synchronization: Synchronization::Time,
+        end_on_cycle: false,
+        pvt: Some(PvtMethod { interpolation, policy: request.policy() }),
+    };
+    let mut points = Vec::with_capacity(drives.len() * request.times().len());
+    let mut axes = Vec::with_capacity(drives.len());
+    for drive in drives {
+        let (axis, mut reports) = drive.into_parts(request);
+        points.append(&mut reports);
+        axes.push(axis);
+    }
+    Ok(PvtPlan { plan: Plan::new(method, guaranteed, request.cycle_time(), axes)?, points })
+}
+
+/// One interval, the same for all axes.
+struct Beat {
+    point: usize,
+    /// When its point is to be met \[s\], as asked and as planned.
+    asked: f64,
+    time: f64,
+    /// How long it takes \[s\], as planned and as asked.
+    duration: f64,
+    interval: f64,
+}
+
+impl Beat {
+    /// Of a time \[1\]: what a difference of two times may be off, since each is rounded …
+    const TIME_ROUNDING: f64 = 2.0 * f64::EPSILON;
+    /// … and of the interval \[1\]: as much as the judge lets pass of a limit, ten times over.
+    const MOST_TIME_ROUNDING: f64 = 1e-10;
+
+    fn time_rounding(&self) -> f64 {
+        least(Self::TIME_ROUNDING * self.time, Self::MOST_TIME_ROUNDING * self.interval)
+    }
+
+    /// Takes the first duration in which every axis meets its point.
+    ///
+    /// Each axis moves it on to the first one that suits itself, until all agree. In each lane what suits an axis are at most three
+    /// windows of time: the displacement may get out of reach beyond either extreme, once each. So no axis moves it more often
+    /// than it has windows, and the rounds end.
+    fn extend(&mut self, drives: &mut [Drive<'_>]) {
+        for drive in &mut *drives {
+            drive.needs_time = false;
+        }
+        for _ in 0..=3 * MAX_LANES * drives.len() {
+            let mut agreed = true;
+            for drive in drives.iter_mut().filter(|drive| drive.refusal.is_none()) {
+                let target = drive.target(self);
+                match drive.axis.extended(drive.state, &target, self.time_rounding()) {
+                    Ok(duration) if duration > self.duration => {
+                        self.duration = duration;
+                        drive.needs_time = true;
+                        agreed = false;
+                    }
+                    Ok(_) => {}
+                    Err(refusal) => drive.refusal = Some((self.point, refusal)),
+                }
+            }
+            if agreed {
+                return;
+            }
+        }
+    }
+}
+
+/// One axis on its way from point to point.
+struct Drive<'a> {
+    spec: &'a PvtAxis,
+    axis: Axis,
+    state: State,
+    segments: Vec<Segment>,
+    /// The end of the last of them \[s\], summed up as [`Profile`] does.
+    clock: f64,
+    fastest: f64,
+    reports: Vec<PvtPointReport>,
+    /// Is it this axis that needs more time for the point?
+    needs_time: bool,
+    refusal: Option<(usize, Refusal)>,
+    /// Where it went after the last point.
+    finished: bool,
+}
+
+impl<'a> Drive<'a> {
+    fn new(spec: &'a PvtAxis, request: &PvtRequest) -> Self {
+        let points = spec.points.len();
+        let pieces = if request.interpolation() == PvtInterpolation::SShaped { USUAL_PIECES } else { 1 };
+        Self {
+            spec,
+            axis: Axis::new(spec.limits.clone()),
+            state: spec.start,
+            segments: Vec::with_capacity(pieces * points),
+            clock: 0.0,
+            fastest: spec.start.velocity.abs(),
+            reports: Vec::with_capacity(points),
+            needs_time: false,
+            refusal: None,
+            finished: false,
+        }
+    }
+
+    fn target(&self, beat: &Beat) -> PvtTarget {
+        let State { position, velocity, .. } = self.spec.points[beat.point];
+        PvtTarget { position, velocity, duration: beat.duration }
+    }
+
+    /// Goes on to the next point.
+    fn go(&mut self, planned: &mut PvtMove, axis: usize, request: &PvtRequest, beat: &Beat) {
+        let target = self.target(beat);
+        let mut report = PvtPointReport {
+            axis,
+            point: beat.point,
+            region: None,
+            position: target.position,
+            velocity: target.velocity,
+            time: beat.time,
+            reachable: None,
+            adjustments: ArrayVec::new(),
+        };
+        if let Some(piece) = polynomial::piece(request.interpolation(), self.state, &target) {
+            report.reachable = self.axis.reachable(self.state, &target);
+            self.state = self.spec.points[beat.point];
+            let speed = |t: &f64| piece.at(*t).state.velocity.abs();
+            self.fastest = piece.turning_points().iter().map(speed).fold(self.fastest, largest);
+            self.lay([piece], beat.time);
+        } else {
+            // Whatever needed more time has it.
+            let policy = match request.policy() {
+                PvtPolicy::ExtendTime => PvtPolicy::Reject,
+                policy => policy,
+            };
+            let rounding = beat.time_rounding();
+            match self.axis.plan(planned, self.state, &target, policy, rounding) {
+                Ok(()) => self.follow(planned, &mut report, beat.time),
+                Err(refusal) => {
+                    self.refusal = Some((beat.point, refusal));
+                    return;
+                }
+            }
+        }
+        if beat.time > beat.asked {
+            let reason = if self.needs_time {
+                AdjustmentReason::PvtTimeExtended
+            } else {
+                AdjustmentReason::PvtTimeShifted
+            };
+            let (quantity, asked, planned) = (Quantity::Time, beat.asked, beat.time);
+            report.adjustments.push(Adjustment { quantity, asked, planned, reason });
+        }
+        self.reports.push(report);
+    }
+
+    fn follow(&mut self, planned: &PvtMove, report: &mut PvtPointReport, end: f64) {
+        let motion = planned.motion();
+        self.state = motion.reached();
+        self.fastest = largest(self.fastest, motion.classification().feed_rate);
+        report.region = Some(planned.region());
+        report.position = self.state.position;
+        report.velocity = self.state.velocity;
+        report.reachable = Some((planned.least_displacement(), planned.greatest_displacement()));
+        report.adjustments.extend(motion.adjustments().iter().copied());
+        self.lay(motion.segments(), end);
+    }
+
+    /// Lays pieces that end at the time `end` \[s\].
+    ///
+    /// The longest of them takes what their sum lacks of that, roundings of the time: so the sum of ten thousand durations is the
+    /// time that was asked for, to an ulp or two, and all axes agree on it.
+    fn lay(&mut self, pieces: impl IntoIterator<Item = Segment>, end: f64) {
+        let first = self.segments.len();
+        self.segments.extend(pieces);
+        let pieces = &mut self.segments[first..];
+        let longest = (0..pieces.len()).fold(0, |longest, index| {
+            if pieces[index].duration > pieces[longest].duration { index } else { longest }
+        });
+        let begin = self.clock;
+        let sum = |pieces: &[Segment]| pieces.iter().fold(begin, |sum, piece| sum + piece.duration);
+        let missing = end - sum(pieces);
+        if let Some(piece) = pieces.get_mut(longest) {
+            piece.duration += missing;
+        }
+        self.clock = sum(pieces);
+    }
+
+    /// Did the last command not get where it should?
+    fn misses(&self) -> bool {
+        let missed =
+            |adjustment: &Adjustment| matches!(adjustment.quantity, Quantity::Position | Quantity::Velocity);
+        self.reports.last().is_some_and(|report| report.adjustments.iter().any(missed))
+    }
+
+    fn goal(&self) -> State {
+        self.spec.points.last().copied().unwrap_or(self.spec.start)
+    }
+
+    /// The motion, with what became of the last point.
+    fn into_parts(self, request: &PvtRequest) -> (AxisPlan, Vec<PvtPointReport>) {
+        let goal = self.goal();
+        let Self { spec, state, segments, fastest, finished, reports, clock, .. } = self;
+        let mut adjustments = Vec::new();
+        if let (true, Some(&asked)) = (finished, request.times().last()) {
+            let (quantity, reason) = (Quantity::Time, AdjustmentReason::PvtFinishedLate);
+            adjustments.push(Adjustment { quantity, asked, planned: clock, reason });
+        } else if let Some(last) = reports.last() {
+            adjustments.extend(last.adjustments.iter().copied());
+        }
+        adjustments.extend(crate::solve::feed_rate_above_limit(&spec.limits, 1.0));
+        let plan = AxisPlan {
+            axis: spec.axis.clone(),
+            kind: spec.kind,
+            limits: spec.limits.clone(),
+            profile: Profile::new(segments, state),
+            goal,
+            adjustments,
+            classification: Classification::of_speed(fastest),
+        };
+        (plan, reports)
+    }
+}
+
+/// Takes each axis that has missed its last point there, without regard to time.
+fn finish_unreached(invalid: &mut InvalidFields, drives: &mut [Drive<'_>]) {
+    if !drives.iter().any(Drive::misses) {
+        return;
+    }
+    let several = drives.len() > 1;
+    for (index, drive) in drives.iter_mut().enumerate() {
+        let outer = Field::element("axes", index);
+        if several && drive.goal().velocity != 0.0 {
+            // An axis that arrives earlier would have to wait at speed.
+            let what = "finishing at speed for one of several axes";
+            let instead = "end every axis at rest, or leave out finish_unreached";
+            let last = drive.spec.points.len() - 1;
+            let field = field(Quantity::Velocity, last).within(&outer);
+            invalid.note(field.as_str(), Some(Why::NotImplemented { what, instead }));
+        } else if drive.misses() {
+            let Some(motion) = finish(drive.state, drive.goal(), drive.spec) else {
+                let what = "finishing a point that the axis would have to turn back for";
+                let instead = "leave out finish_unreached, or plan a move from the end to the point";
+                let field = field(Quantity::Position, drive.spec.points.len() - 1).within(&outer);
+                invalid.note(field.as_str(), Some(Why::NotImplemented { what, instead }));
+                continue;
+            };
+            drive.state = motion.reached();
+            drive.fastest = largest(drive.fastest, motion.classification().feed_rate);
+            let end = drive.clock + motion.duration();
+            drive.lay(motion.segments(), end);
+            drive.finished = true;
+        }
+    }
+}
+
+/// The move from where the last command has ended to where it should have: the one place that asks another solver. `None` where
+/// that does not turn back yet.
+fn finish(from: State, goal: State, spec: &PvtAxis) -> Option<Move> {
+    let problem = Problem::new(from, goal, spec.limits.clone(), ShortPathPolicy::Reverse).ok()?;
+    plan_move(&problem).ok()
+}
