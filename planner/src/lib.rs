@@ -104,8 +104,10 @@ mod segment;
 mod short_path;
 mod solve;
 mod state;
+mod transfer;
 mod trigonometric;
 mod verify;
+mod verify_transfer;
 
 pub use certified::{Accepted, Judged, Rejection};
 pub use classify::{AsymmetricType, Classification, EightType, SixCase};
@@ -126,11 +128,13 @@ pub use segment::{Law, MAX_TURNING_POINTS, Segment, Setpoint};
 pub use short_path::ShortPathPolicy;
 pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_stop, plan_trapezoid};
 pub use state::State;
+pub use transfer::{Bounds, BoundsSpec, MAX_TRANSIT_PIECES, Transfer, Transit, plan_transfer};
 pub use trigonometric::plan_trigonometric;
 pub use verify::{
     Certificate, EndCheck, JOIN_TOLERANCE, JoinCheck, LIMIT_TOLERANCE, LimitCheck, Violation, certify,
     certify_against, violations,
 };
+pub use verify_transfer::transfer_violations;
 
 /// Names the bits that a plan samples to: replicas with the same number give the same setpoints for the same plan.
 ///

@@ -91,3 +91,30 @@ pub(crate) fn sign_change(from: f64, to: f64, value_and_slope: impl Fn(f64) -> (
     }
     Some(0.5 * (low + high))
 }
+
+/// The root in `low..=high` of a function that is convex there and rises through it, by Newton's method from `start`.
+///
+/// `value_and_slope` gives both at `x`. A tangent of a convex function lies below it, so that a step from the left leads beyond
+/// the root, once; from there the iterates only fall, as in [`fall_to_root`]. Where the function does not change its sign, the
+/// end that is nearer to it is returned.
+pub(crate) fn convex_root(
+    start: f64,
+    low: f64,
+    high: f64,
+    value_and_slope: impl Fn(f64) -> (f64, f64),
+) -> f64 {
+    let mut x = start;
+    let mut may_rise = true;
+    loop {
+        let (value, slope) = value_and_slope(x);
+        let aimed = x - value / slope;
+        // Each is also false for NaN, so that the loop ends whatever was given.
+        let falls = slope > 0.0 && aimed < x && aimed >= low;
+        let rises = may_rise && value < 0.0 && x < high;
+        if !falls && !rises {
+            return x;
+        }
+        may_rise = false;
+        x = if falls || (slope > 0.0 && aimed < high) { aimed } else { high };
+    }
+}

@@ -1,0 +1,207 @@
+//! The fastest motion between any two states, one axis.
+//!
+//! ```text
+//!  way │                 ╱ farthest in this time (the upper family)      All motions between two given velocities and
+//!      │               ╱                                                 accelerations, within limits, that take as long,
+//!      │            ╱                                                    go the ways of one interval: a motion between two
+//!      │──────── ╱●─────────── the way to go                             of them is one too. So the fastest that goes a way
+//!      │     ╱╱                                                          is a member of one of two families of one
+//!      │   ●  fastest change of velocity                                 parameter, and is found by one equation, of which
+//!      │     ╲╲__                                                        the bracket is known.
+//!      │         ╲ nearest in this time (the lower family)
+//!      └────────────────────── duration
+//! ```
+//!
+//! `notes/0007-any-state.md` has the derivation.
+
+mod bounds;
+mod ends;
+mod fastest;
+mod lead_in;
+mod lens;
+mod transit;
+mod upper;
+
+pub use bounds::{Bounds, BoundsSpec};
+pub use transit::{MAX_TRANSIT_PIECES, Transit};
+
+use crate::State;
+use crate::error::{Field, InvalidFields, Why};
+use crate::problem::note_not_finite;
+use ends::{Ends, Moving};
+use fastest::fastest;
+use lead_in::{Confines, LeadIn};
+
+/// Of the velocities that are compared \[1\]: a goal may be beyond a limit by this much, since it was computed.
+const GOAL_SLACK: f64 = 16.0 * f64::EPSILON;
+
+/// A question about one axis: from any state to any state within bounds, checked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transfer {
+    start: State,
+    goal: State,
+    bounds: Bounds,
+}
+
+impl Transfer {
+    /// Asks for the fastest motion from `start` to `goal`.
+    ///
+    /// The start may be anywhere, beyond the bounds too: it is led back first. The goal is inside them, and so are the velocities
+    /// from which its acceleration can be reached.
+    ///
+    /// # Errors
+    /// Every number that is not finite, and of the goal those that are not within `bounds`.
+    pub fn new(start: State, goal: State, bounds: Bounds) -> Result<Self, InvalidFields> {
+        let (start, goal) = (start.with_positive_zeros(), goal.with_positive_zeros());
+        let mut invalid = InvalidFields::default();
+        note_not_finite(&mut invalid, &start, &goal);
+        if invalid.is_empty() {
+            note_goal(&mut invalid, &goal, &bounds);
+        }
+        invalid.into_result(Self { start, goal, bounds })
+    }
+
+    /// Where the motion begins.
+    #[must_use]
+    pub fn start(&self) -> State {
+        self.start
+    }
+
+    /// Where it ends.
+    #[must_use]
+    pub fn goal(&self) -> State {
+        self.goal
+    }
+
+    /// What the axis may do on the way.
+    #[must_use]
+    pub fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+}
+
+fn note_goal(invalid: &mut InvalidFields, goal: &State, bounds: &Bounds) {
+    let BoundsSpec { min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk } =
+        *bounds.spec();
+    let State { velocity, acceleration, .. } = *goal;
+    let refuse = |given, allowed, limit| Some(Why::GoalOutsideLimits { given, allowed, limit });
+    let mut inner = InvalidFields::default();
+    if velocity > max_velocity {
+        inner.note("velocity", refuse(velocity, max_velocity, "bounds.max_velocity"));
+    } else if velocity < min_velocity {
+        inner.note("velocity", refuse(velocity, min_velocity, "bounds.min_velocity"));
+    }
+    if acceleration > max_acceleration {
+        inner.note("acceleration", refuse(acceleration, max_acceleration, "bounds.max_acceleration"));
+    } else if acceleration < min_acceleration {
+        inner.note("acceleration", refuse(acceleration, min_acceleration, "bounds.min_acceleration"));
+    }
+    if inner.is_empty() {
+        // The velocity from which full jerk alone leads to the goal: whatever comes before, it was passed.
+        let square = 0.5 * acceleration * acceleration / max_jerk;
+        let slack = GOAL_SLACK * (velocity.abs() + square);
+        let nearest = |room: f64| crate::float::sqrt(2.0 * max_jerk * room);
+        if acceleration < 0.0 && velocity + square > max_velocity + slack {
+            let allowed = -nearest(max_velocity - velocity) + 0.0;
+            inner.note("acceleration", refuse(acceleration, allowed, "bounds.max_velocity"));
+        } else if acceleration > 0.0 && velocity - square < min_velocity - slack {
+            let allowed = nearest(velocity - min_velocity);
+            inner.note("acceleration", refuse(acceleration, allowed, "bounds.min_velocity"));
+        }
+    }
+    invalid.extend_within(&Field::named("goal"), inner);
+}
+
+/// The fastest motion of one axis from any state to any state.
+///
+/// Fastest among all motions whose velocity, acceleration and jerk stay within the bounds, wherever that takes the axis: it
+/// overshoots and turns back where that is faster. A start beyond the bounds, or one whose acceleration leads beyond them whatever
+/// is done, is led back as fast as can be without coming out on the other side of the limit: the acceleration first, at full
+/// jerk; then the velocity, from above without undershoot. Going on slower than the limit is the fastest motion's own choice.
+///
+/// ```
+/// # use planner::{plan_transfer, Bounds, State, Transfer};
+/// let bounds = Bounds::symmetric(5.0, 1.0, 10.0)?;
+/// let (start, goal) = (State::at_rest(0.3), State::at_rest(0.32));
+/// let transit = plan_transfer(&Transfer::new(start, goal, bounds)?)?;
+/// assert!((transit.duration() - 0.4).abs() < 1e-15); // d = 2a³/j²: between two shapes
+/// # Ok::<(), planner::InvalidFields>(())
+/// ```
+///
+/// # Errors
+/// [`Why::GoalOutsideLimits`] where the goal lies behind and the bounds forbid to go back.
+pub fn plan_transfer(transfer: &Transfer) -> Result<Transit, InvalidFields> {
+    let Transfer { start, goal, bounds } = transfer;
+    let Scaled { ends, confines, way, unit } = Scaled::of(transfer);
+    let lead = LeadIn::of(ends.start, confines);
+    let ends = Ends { start: lead.reached, ..ends };
+    let Some(shape) = fastest(ends, confines, way - lead.way) else {
+        let (given, allowed) = (goal.position, start.position);
+        let why = Why::GoalOutsideLimits { given, allowed, limit: "bounds.min_velocity" };
+        return Err(InvalidFields::one(Field::named("goal.position"), why));
+    };
+    let BoundsSpec { min_velocity, max_velocity, max_jerk, .. } = *bounds.spec();
+    let cruise = if shape.sign < 0.0 { min_velocity } else { max_velocity };
+    Ok(Transit::lay((*start, *goal), &lead, &shape, max_jerk, unit, cruise))
+}
+
+/// A question in units in which the jerk limit is 1 and the motion about as large.
+///
+/// Lengths are divided by the jerk limit, once: then all are powers of a time. That of the motion is about the largest that its
+/// ends call for; it is a power of two, which costs no bit, so that the answer does not depend on the unit of anything.
+#[derive(Clone, Copy, Debug)]
+struct Scaled {
+    ends: Ends,
+    confines: Confines,
+    way: f64,
+    /// The time unit \[s\].
+    unit: f64,
+}
+
+impl Scaled {
+    fn of(transfer: &Transfer) -> Self {
+        let Transfer { start, goal, bounds } = transfer;
+        let BoundsSpec { min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk } =
+            *bounds.spec();
+        let of_length = 1.0 / max_jerk;
+        let distance = goal.position - start.position;
+        let exponent = exponent(distance * of_length)
+            .div_euclid(3)
+            .max(exponent(start.velocity * of_length).div_euclid(2))
+            .max(exponent(goal.velocity * of_length).div_euclid(2))
+            .max(exponent(start.acceleration * of_length))
+            .max(exponent(goal.acceleration * of_length))
+            .clamp(-GREATEST_EXPONENT, GREATEST_EXPONENT);
+        let per_time = power_of_two(-exponent);
+        let acceleration = of_length * per_time;
+        let velocity = acceleration * per_time;
+        let moving = |state: &State| Moving {
+            velocity: state.velocity * velocity,
+            acceleration: state.acceleration * acceleration,
+        };
+        Self {
+            ends: Ends { start: moving(start), goal: moving(goal) },
+            confines: Confines {
+                bottom: min_velocity * velocity,
+                top: max_velocity * velocity,
+                up: max_acceleration * acceleration,
+                down: -min_acceleration * acceleration,
+            },
+            way: distance * (velocity * per_time),
+            unit: power_of_two(exponent),
+        }
+    }
+}
+
+/// Of the time unit: its cube is a number in either direction.
+const GREATEST_EXPONENT: i32 = 300;
+
+/// The power of two of a number; that of zero is far below every other.
+fn exponent(value: f64) -> i32 {
+    ((value.to_bits() >> 52) & 0x7ff) as i32 - 1023
+}
+
+/// 2 to the power of `exponent`, of ±[`GREATEST_EXPONENT`] at most.
+fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((exponent + 1023) as u64) << 52)
+}

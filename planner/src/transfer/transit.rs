@@ -1,0 +1,134 @@
+use arrayvec::ArrayVec;
+
+use super::ends::Phases;
+use super::fastest::Shape;
+use super::lead_in::LeadIn;
+use crate::solve::Piece;
+use crate::{Law, Profile, Segment, Setpoint, State};
+
+/// The most pieces of a [`Transit`]: two to lead a start back into its limits, and seven.
+pub const MAX_TRANSIT_PIECES: usize = 9;
+
+/// The jerk of each phase, of the limit.
+const SIGNS: Phases = [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0];
+
+/// The motion from one state to another: pieces of constant jerk, on the stack.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transit {
+    pieces: ArrayVec<Piece, MAX_TRANSIT_PIECES>,
+    start: State,
+    goal: State,
+}
+
+impl Transit {
+    /// Lays the pieces end to end: up to the cruise forward from the start, after it backward from the goal, each relative to its
+    /// own end, so that both are met to the last bit, and what rounding there is meets in the middle.
+    ///
+    /// `unit` is the time unit \[s\] of the shape, `cruise` the velocity limit of its direction.
+    pub(super) fn lay(
+        ends: (State, State),
+        lead: &LeadIn,
+        shape: &Shape,
+        jerk: f64,
+        unit: f64,
+        cruise: f64,
+    ) -> Self {
+        let (start, goal) = ends;
+        let Shape { sign, mut phases } = *shape;
+        if phases[3] == 0.0 {
+            phases[2] += phases[4];
+            phases[4] = 0.0;
+        }
+        let mut transit = Self { pieces: ArrayVec::new(), start, goal };
+        let lead = lead.pieces.iter().map(|&(sign, time)| (sign * jerk, time * unit));
+        let signs = SIGNS.map(|of_limit| of_limit * sign * jerk + 0.0);
+        let mut at = State { position: 0.0, ..start };
+        for (jerk, time) in lead.chain((0..3).map(|index| (signs[index], phases[index] * unit))) {
+            transit.push(jerk, time, start.position, at);
+            at = at.after(jerk, time);
+        }
+        at = State { velocity: cruise, acceleration: 0.0, ..at };
+        transit.push(0.0, phases[3] * unit, start.position, at);
+
+        let mut last = [(0.0, State::default()); 3];
+        let mut at = State { position: 0.0, ..goal };
+        for (index, place) in (4..7).zip(&mut last).rev() {
+            let time = phases[index] * unit;
+            at = at.after(signs[index], -time);
+            *place = (time, at);
+        }
+        for (index, (time, at)) in (4..7).zip(last) {
+            transit.push(signs[index], time, goal.position, at);
+        }
+        if let Some(first) = transit.pieces.first_mut() {
+            first.start = start;
+        }
+        transit
+    }
+
+    /// Goes on with the piece before where the jerk stays the same.
+    fn push(&mut self, jerk: f64, duration: f64, origin: f64, at: State) {
+        if duration > 0.0 {
+            match self.pieces.last_mut() {
+                #[expect(clippy::float_cmp, reason = "one of three numbers")]
+                Some(last) if last.jerk == jerk => last.duration += duration,
+                _ => self.pieces.push(Piece {
+                    duration,
+                    start: State { position: origin + at.position, ..at },
+                    jerk,
+                }),
+            }
+        }
+    }
+
+    /// The pieces, in order; none where nothing moves.
+    #[must_use]
+    pub fn segments(&self) -> ArrayVec<Segment, MAX_TRANSIT_PIECES> {
+        self.pieces.iter().map(segment).collect()
+    }
+
+    /// How long the motion lasts \[s\].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.pieces.iter().fold(0.0, |total, piece| total + piece.duration)
+    }
+
+    /// The state before the motion.
+    #[must_use]
+    pub fn start(&self) -> State {
+        self.start
+    }
+
+    /// The state at the end: the goal.
+    #[must_use]
+    pub fn end(&self) -> State {
+        self.goal
+    }
+
+    /// The setpoint at time `t` \[s\], with the bits of [`Profile::at`] and without its allocation.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Setpoint {
+        if t < 0.0 {
+            return Setpoint::held(self.start);
+        }
+        let mut begin = 0.0;
+        for piece in &self.pieces {
+            let next = begin + piece.duration;
+            if t < next {
+                return segment(piece).at(t - begin);
+            }
+            begin = next;
+        }
+        Setpoint::held(self.goal)
+    }
+
+    /// The motion as a profile of its own.
+    #[must_use]
+    pub fn to_profile(&self) -> Profile {
+        Profile::new(self.pieces.iter().map(segment).collect(), self.goal)
+    }
+}
+
+fn segment(&Piece { duration, start, jerk }: &Piece) -> Segment {
+    Segment { duration, start, law: Law::ConstantJerk(jerk) }
+}
