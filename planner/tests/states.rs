@@ -12,6 +12,9 @@ mod common;
 
 use std::collections::BTreeMap;
 
+use common::Random;
+use common::peer::{self, Peer};
+use common::states::{self, Kind, Question};
 use planner::{Bounds, BoundsSpec, State, Transfer, Transit, plan_transfer, transfer_violations};
 use serde::Deserialize;
 
@@ -118,4 +121,85 @@ fn what_the_peer_refuses() {
             planned(&name, start, goal, bounds);
         }
     }
+}
+
+/// What became of the questions of one kind.
+#[derive(Default)]
+struct Tally {
+    asked: u32,
+    refused: u32,
+    /// The peer is faster and does not arrive.
+    astray: u32,
+    slower: u32,
+    slowest: f64,
+    /// The largest by which ours is longer, of the peer's.
+    longer: f64,
+    apart: f64,
+    examples: Vec<String>,
+}
+
+impl Tally {
+    fn ask(&mut self, peer: &mut Peer, asked: &Question) {
+        let name = format!("{asked:?}");
+        let ours = planned(&name, asked.start, asked.goal, asked.bounds());
+        self.asked += 1;
+        self.apart = self.apart.max(common::transit::residual(&ours));
+        let theirs = peer.duration(&peer::question(asked));
+        // To the peer a path of 1e-9 may be none: no time is no answer to it.
+        let Some(theirs) = theirs.filter(|&theirs| theirs > 0.0) else {
+            self.refused += u32::from(ours.duration() > 0.0);
+            if self.examples.len() < 2 {
+                self.examples.push(format!("refused: {name}"));
+            }
+            return;
+        };
+        let longer = ours.duration() / theirs - 1.0;
+        if longer > SLACK {
+            assert!(!peer.arrives(asked), "ours {}, theirs {theirs}: {name}\n{ours:?}", ours.duration());
+            self.astray += 1;
+            if self.astray == 1 {
+                self.examples.push(format!("astray: theirs {theirs}, ours {}: {name}", ours.duration()));
+            }
+            return;
+        }
+        self.longer = self.longer.max(longer);
+        if theirs > ours.duration() * (1.0 + SLACK) {
+            self.slower += 1;
+            if theirs / ours.duration() > self.slowest {
+                self.slowest = theirs / ours.duration();
+                self.examples.truncate(2);
+                self.examples.push(format!("theirs {theirs}, ours {}: {name}", ours.duration()));
+            }
+        }
+    }
+}
+
+fn compare(count: u32, seed: u64) {
+    let mut peer = Peer::new();
+    for kind in Kind::ALL {
+        let mut random = Random(seed);
+        let mut tally = Tally::default();
+        for _ in 0..count / Kind::ALL.len() as u32 {
+            tally.ask(&mut peer, &states::question(&mut random, kind));
+        }
+        let Tally { asked, refused, astray, slower, slowest, longer, apart, examples } = tally;
+        println!(
+            "{kind:?}: of {asked}, the peer refuses {refused}, goes astray in {astray} and is slower in {slower}, at most \
+             {slowest:.3} times; ours is longer by at most {longer:.1e}, and its pieces are {apart:.1e} apart"
+        );
+        for example in examples {
+            println!("  {example}");
+        }
+    }
+}
+
+#[test]
+fn never_longer_than_the_peer() {
+    compare(14_000, 1);
+}
+
+#[test]
+#[ignore = "a minute in release"]
+fn never_longer_than_the_peer_in_a_million() {
+    compare(1_050_000, 2);
 }

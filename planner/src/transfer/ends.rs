@@ -4,6 +4,10 @@ use crate::float::{largest, sqrt};
 /// to the end; where the fourth lasts, velocity stays at its limit, else the third and the fifth are one.
 pub(super) type Phases = [f64; 7];
 
+/// Of the velocities that are compared \[1\]: what they and the squares of the accelerations are rounded to. A difference below it
+/// is none: for a peak takes the root of it, and half of the digits of a duration would be made of roundings.
+const ROUNDED: f64 = 8.0 * f64::EPSILON;
+
 /// The ends of a motion in the time unit that makes the jerk limit 1: accelerations are times, velocities their squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ends {
@@ -64,6 +68,12 @@ impl Ends {
         0.5 * (self.start.acceleration + self.goal.acceleration)
     }
 
+    /// `difference` of two velocities, but for what is rounding.
+    pub(super) fn beyond_rounding(&self, difference: f64) -> f64 {
+        let size = |end: &Moving| end.velocity.abs() + end.acceleration * end.acceleration;
+        if difference > ROUNDED * (size(&self.start) + size(&self.goal)) { difference } else { 0.0 }
+    }
+
     /// What the square of a peak is more than that of the valley after it: `Δv − ā·δ`, while neither is held.
     pub(super) fn peak_excess(&self) -> f64 {
         self.velocity_change() - self.mean_acceleration() * self.acceleration_change()
@@ -83,7 +93,7 @@ impl Ends {
     pub(super) fn fastest_change(&self, limit: f64) -> [f64; 3] {
         let (first, last) = (self.start.acceleration, self.goal.acceleration);
         let (change, step) = (self.velocity_change(), self.acceleration_change());
-        let beyond = largest(0.0, change - self.mean_acceleration() * step.abs());
+        let beyond = self.beyond_rounding(change - self.mean_acceleration() * step.abs());
         let rise = |from: f64| {
             let peak = sqrt(from * from + beyond);
             if from > 0.0 { beyond / (from + peak) } else { peak - from }

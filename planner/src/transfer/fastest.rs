@@ -3,6 +3,11 @@ use super::lead_in::Confines;
 use super::lens::Lens;
 use super::upper::Upper;
 
+/// Of what the fastest change of velocity goes \[1\]: a way that differs from it by less is that way, of which start and goal are
+/// rounded. On one side of it the next motion that arrives may take far longer: that is where every motion that is planned again
+/// on its last flank begins.
+const ROUNDED: f64 = 8.0 * f64::EPSILON;
+
 /// A member of the upper family, or of the lower one seen from the other side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
@@ -15,11 +20,11 @@ pub(super) struct Shape {
 ///
 /// Which family it belongs to is told by what the fastest change of velocity goes: the motions that go farther, in the least
 /// time in which that can be, are the upper family's. But for the lens (see [`Upper::lens`]) there is no second candidate.
-pub(super) fn fastest(ends: Ends, confines: Confines, way: f64) -> Option<Shape> {
+/// `slack` is what the way is rounded to.
+pub(super) fn fastest(ends: Ends, confines: Confines, way: f64, slack: f64) -> Option<Shape> {
     let Confines { bottom, top, up, down } = confines;
     let change = Change::of(ends, confines);
-    #[expect(clippy::float_cmp, reason = "exactly there, there is nothing to add")]
-    if way == change.goes {
+    if (way - change.goes).abs() <= slack + ROUNDED * change.size(ends) {
         return Some(change.shape);
     }
     let sign = if way > change.goes { 1.0 } else { -1.0 };
@@ -71,5 +76,15 @@ impl Change {
         let goes = state.advance(1.0, up) + state.advance(0.0, hold) + state.advance(-1.0, down);
         let phases = [up, hold, down, 0.0, 0.0, 0.0, 0.0];
         Self { shape: Shape { sign, phases }, goes: sign * goes }
+    }
+
+    /// Of the terms that add up to the way.
+    fn size(&self, ends: Ends) -> f64 {
+        let [up, hold, down, ..] = self.shape.phases;
+        let time = up + hold + down;
+        let Ends { start, goal } = ends;
+        time * (start.velocity.abs()
+            + goal.velocity.abs()
+            + time * (start.acceleration.abs() + goal.acceleration.abs()))
     }
 }

@@ -131,18 +131,16 @@ fn note_goal(invalid: &mut InvalidFields, goal: &State, bounds: &Bounds) {
 /// # Errors
 /// [`Why::GoalOutsideLimits`] where the goal lies behind and the bounds forbid to go back.
 pub fn plan_transfer(transfer: &Transfer) -> Result<Transit, InvalidFields> {
-    let Transfer { start, goal, bounds } = transfer;
-    let Scaled { ends, confines, way, unit } = Scaled::of(transfer);
+    let Transfer { start, goal, .. } = transfer;
+    let Scaled { ends, confines, way, slack, unit } = Scaled::of(transfer);
     let lead = LeadIn::of(ends.start, confines);
     let ends = Ends { start: lead.reached, ..ends };
-    let Some(shape) = fastest(ends, confines, way - lead.way) else {
+    let Some(shape) = fastest(ends, confines, way - lead.way, slack) else {
         let (given, allowed) = (goal.position, start.position);
         let why = Why::GoalOutsideLimits { given, allowed, limit: "bounds.min_velocity" };
         return Err(InvalidFields::one(Field::named("goal.position"), why));
     };
-    let BoundsSpec { min_velocity, max_velocity, max_jerk, .. } = *bounds.spec();
-    let cruise = if shape.sign < 0.0 { min_velocity } else { max_velocity };
-    Ok(Transit::lay((*start, *goal), &lead, &shape, max_jerk, unit, cruise))
+    Ok(Transit::lay(transfer, &lead, &shape, unit))
 }
 
 /// A question in units in which the jerk limit is 1 and the motion about as large.
@@ -154,6 +152,8 @@ struct Scaled {
     ends: Ends,
     confines: Confines,
     way: f64,
+    /// What the way is rounded to.
+    slack: f64,
     /// The time unit \[s\].
     unit: f64,
 }
@@ -175,6 +175,7 @@ impl Scaled {
         let per_time = power_of_two(-exponent);
         let acceleration = of_length * per_time;
         let velocity = acceleration * per_time;
+        let length = velocity * per_time;
         let moving = |state: &State| Moving {
             velocity: state.velocity * velocity,
             acceleration: state.acceleration * acceleration,
@@ -187,11 +188,15 @@ impl Scaled {
                 up: max_acceleration * acceleration,
                 down: -min_acceleration * acceleration,
             },
-            way: distance * (velocity * per_time),
+            way: distance * length,
+            slack: POSITION_SLACK * start.position.abs().max(goal.position.abs()) * length,
             unit: power_of_two(exponent),
         }
     }
 }
+
+/// Of the positions \[1\]: what their distance is rounded to; the same target again, but for a rounding, is the same target.
+const POSITION_SLACK: f64 = 4.0 * f64::EPSILON;
 
 /// Of the time unit: its cube is a number in either direction.
 const GREATEST_EXPONENT: i32 = 300;

@@ -3,6 +3,7 @@ use arrayvec::ArrayVec;
 use super::ends::Phases;
 use super::fastest::Shape;
 use super::lead_in::LeadIn;
+use super::{BoundsSpec, Transfer};
 use crate::solve::Piece;
 use crate::{Law, Profile, Segment, Setpoint, State};
 
@@ -22,44 +23,52 @@ pub struct Transit {
 
 impl Transit {
     /// Lays the pieces end to end: up to the cruise forward from the start, after it backward from the goal, each relative to its
-    /// own end, so that both are met to the last bit, and what rounding there is meets in the middle.
+    /// own end, so that both are met to the last bit, and what rounding there is meets in the middle. An acceleration that is held
+    /// is the limit itself: what little it were off by would add up.
     ///
-    /// `unit` is the time unit \[s\] of the shape, `cruise` the velocity limit of its direction.
-    pub(super) fn lay(
-        ends: (State, State),
-        lead: &LeadIn,
-        shape: &Shape,
-        jerk: f64,
-        unit: f64,
-        cruise: f64,
-    ) -> Self {
-        let (start, goal) = ends;
+    /// `unit` is the time unit \[s\] of the shape.
+    pub(super) fn lay(transfer: &Transfer, lead: &LeadIn, shape: &Shape, unit: f64) -> Self {
+        let Transfer { start, goal, bounds } = *transfer;
+        let BoundsSpec { min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk } =
+            *bounds.spec();
         let Shape { sign, mut phases } = *shape;
         if phases[3] == 0.0 {
             phases[2] += phases[4];
             phases[4] = 0.0;
         }
+        let jerks = SIGNS.map(|of_limit| of_limit * sign * max_jerk + 0.0);
+        let held = |near: f64| if near < 0.0 { min_acceleration } else { max_acceleration };
+
         let mut transit = Self { pieces: ArrayVec::new(), start, goal };
-        let lead = lead.pieces.iter().map(|&(sign, time)| (sign * jerk, time * unit));
-        let signs = SIGNS.map(|of_limit| of_limit * sign * jerk + 0.0);
         let mut at = State { position: 0.0, ..start };
-        for (jerk, time) in lead.chain((0..3).map(|index| (signs[index], phases[index] * unit))) {
+        let lead = lead.pieces.iter().map(|&(sign, time)| (sign * max_jerk, time * unit));
+        for (jerk, time) in lead.chain((0..3).map(|index| (jerks[index], phases[index] * unit))) {
+            if jerk == 0.0 && time > 0.0 {
+                at.acceleration = held(at.acceleration);
+            }
             transit.push(jerk, time, start.position, at);
             at = at.after(jerk, time);
         }
-        at = State { velocity: cruise, acceleration: 0.0, ..at };
-        transit.push(0.0, phases[3] * unit, start.position, at);
+        let cruise = if sign < 0.0 { min_velocity } else { max_velocity };
+        transit.push(
+            0.0,
+            phases[3] * unit,
+            start.position,
+            State { velocity: cruise, acceleration: 0.0, ..at },
+        );
 
-        let mut last = [(0.0, State::default()); 3];
-        let mut at = State { position: 0.0, ..goal };
-        for (index, place) in (4..7).zip(&mut last).rev() {
-            let time = phases[index] * unit;
-            at = at.after(signs[index], -time);
-            *place = (time, at);
-        }
-        for (index, (time, at)) in (4..7).zip(last) {
-            transit.push(signs[index], time, goal.position, at);
-        }
+        let [.., fall, hold, climb] = phases.map(|phase| phase * unit);
+        let [.., falling, _, climbing] = jerks;
+        let seventh = State { position: 0.0, ..goal }.after(climbing, -climb);
+        let sixth = if hold > 0.0 {
+            State { acceleration: held(falling), ..seventh }.after(0.0, -hold)
+        } else {
+            seventh
+        };
+        let fifth = State { acceleration: 0.0, ..sixth.after(falling, -fall) };
+        transit.push(falling, fall, goal.position, fifth);
+        transit.push(0.0, hold, goal.position, sixth);
+        transit.push(climbing, climb, goal.position, seventh);
         if let Some(first) = transit.pieces.first_mut() {
             first.start = start;
         }

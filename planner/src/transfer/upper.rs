@@ -55,12 +55,14 @@ impl Flank {
     }
 }
 
-/// The velocities at which both flanks begin, as seen without acceleration, and the higher of them, above which they can meet.
+/// The lowest velocity at which both flanks can meet: the higher of those that they come to when nothing but full jerk takes
+/// their acceleration to zero.
 #[derive(Clone, Copy, Debug)]
 struct Feet {
-    from_start: f64,
-    from_goal: f64,
     lowest: f64,
+    /// How far the flank from the start, and the one from the goal, must rise to it.
+    first: f64,
+    last: f64,
 }
 
 /// Two flanks that meet.
@@ -101,17 +103,17 @@ impl Upper {
     /// limit, which is then zero, do not lead there. What they go at least is less than the way.
     pub(super) fn summit(&self) -> Option<Phases> {
         let Ends { start, goal } = self.ends;
-        let Feet { from_start, from_goal, lowest } = self.feet();
+        let Feet { lowest, first, last } = self.feet();
         let at = |above: f64| self.at(above);
-        let room = largest(0.0, self.top - lowest);
+        let room = self.ends.beyond_rounding(self.top - lowest);
         let highest = at(room);
         let spare = self.way - highest.way();
         if spare >= 0.0 {
             return (spare == 0.0 || self.top > 0.0)
                 .then(|| highest.phases(if spare > 0.0 { spare / self.top } else { 0.0 }));
         }
-        let first_reach = Flank::reach(start, self.up) - (lowest - from_start);
-        let last_reach = Flank::reach(goal.reversed(), self.down) - (lowest - from_goal);
+        let first_reach = Flank::reach(start, self.up) - first;
+        let last_reach = Flank::reach(goal.reversed(), self.down) - last;
         let (one, both) = (least(first_reach, last_reach), largest(first_reach, last_reach));
         if one >= room {
             return Some(self.free(highest.fall()));
@@ -140,16 +142,18 @@ impl Upper {
     /// The two flanks up to a velocity `above` the lowest at which they meet.
     fn at(&self, above: f64) -> Summit {
         let Ends { start, goal } = self.ends;
-        let Feet { from_start, from_goal, lowest } = self.feet();
+        let Feet { first, last, .. } = self.feet();
         Summit {
-            first: Flank::of(start, above + (lowest - from_start), self.up),
-            last: Flank::of(goal.reversed(), above + (lowest - from_goal), self.down),
+            first: Flank::of(start, above + first, self.up),
+            last: Flank::of(goal.reversed(), above + last, self.down),
         }
     }
 
     fn feet(&self) -> Feet {
         let (from_start, from_goal) = (self.ends.start.coasting(), self.ends.goal.reversed().coasting());
-        Feet { from_start, from_goal, lowest: largest(from_start, from_goal) }
+        let lowest = largest(from_start, from_goal);
+        let first = self.ends.beyond_rounding(lowest - from_start);
+        Feet { first, last: self.ends.beyond_rounding(lowest - from_goal), lowest }
     }
 
     /// What the member with the lowest summit goes.
@@ -223,13 +227,15 @@ impl Upper {
         let time = |z: f64| (square + z * z) * inverse;
         let vertex = goal.velocity - 0.5 * goal.acceleration * goal.acceleration;
         let offset = rise * rise * rise / 6.0 - self.way;
-        let value_and_slope = |z: f64| {
-            let (t, climb, valley) = (time(z), z - gap, z - limit);
+        let off = |t: f64, z: f64| {
+            let climb = z - gap;
             let way = t * (start.velocity + 0.5 * (limit * t - rise * rise))
                 - z * (z * z / 6.0 + 0.5 * climb * (z + climb))
                 + climb * climb * climb / 6.0;
-            (way + offset, 2.0 * z * inverse * (vertex + valley * (valley + 0.5 * limit)))
+            way + offset
         };
+        let pace = |z: f64| vertex + (z - limit) * (z - 0.5 * limit);
+        let value_and_slope = |z: f64| (off(time(z), z), 2.0 * z * inverse * pace(z));
         // way⁗ = 24/A and way‴ ≥ 6 in the depth of the valley: where nothing falls, each term alone bounds the root.
         let (value, slope) = value_and_slope(limit + low);
         let bend = 0.5 * limit + vertex * inverse + 3.0 * low * (1.0 + low * inverse);
@@ -241,8 +247,11 @@ impl Upper {
             begin = least(begin, limit + low + bound);
         }
         let z = convex_root(begin, limit + low, limit + high, value_and_slope);
+        // Where the limit is little, an ulp of `z` is many of the time, so the time has the last word.
+        let (t, faster) = (time(z), pace(z));
+        let t = if faster > 0.0 { t - off(t, z) / faster } else { t };
         let climb = largest(0.0, z - gap);
-        let hold = largest(0.0, time(z) - rise - z - climb);
+        let hold = largest(0.0, t - rise - z - climb);
         [rise, hold, z, 0.0, 0.0, 0.0, climb]
     }
 

@@ -1,10 +1,11 @@
 //! rsruckig, the peer: a pure Rust port of Ruckig (Berscheid and Kröger, 2021), asked the same questions.
 
-use planner::{LimitsSpec, Problem, ShortPathPolicy, State};
+use planner::{BoundsSpec, LimitsSpec, Problem, ShortPathPolicy, State};
 use rsruckig::prelude::{
     DataArrayOrVec, InputParameter, Ruckig, RuckigResult, Synchronization, ThrowErrorHandler, Trajectory,
 };
 
+use super::states::Question;
 use super::{Random, ramp_length};
 
 /// One axis, with nothing asked that would cost the peer time.
@@ -26,6 +27,14 @@ impl Peer {
             _ => None,
         }
     }
+
+    /// Does the peer's last answer end at the goal? It is content with 1e-8 of whatever the unit is.
+    pub(crate) fn arrives(&self, asked: &Question) -> bool {
+        let last = self.trajectory.profiles.last().and_then(|section| section.first());
+        let Some(last) = last else { return false };
+        let scale = (asked.goal.position - asked.start.position).abs();
+        (last.p[7] - asked.goal.position).abs() <= 1e-9 * scale
+    }
 }
 
 pub(crate) fn input(problem: &Problem) -> InputParameter<1> {
@@ -45,6 +54,26 @@ pub(crate) fn input(problem: &Problem) -> InputParameter<1> {
     input.max_acceleration = one(forward);
     input.min_acceleration = Some(one(-backward));
     input.max_jerk = one(limits.jerk());
+    input
+}
+
+/// As the peer is asked for the motion between two states.
+pub(crate) fn question(asked: &Question) -> InputParameter<1> {
+    let mut input = InputParameter::new(None);
+    let BoundsSpec { min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk } =
+        asked.bounds;
+    input.synchronization = Synchronization::None;
+    input.current_position = one(asked.start.position);
+    input.current_velocity = one(asked.start.velocity);
+    input.current_acceleration = one(asked.start.acceleration);
+    input.target_position = one(asked.goal.position);
+    input.target_velocity = one(asked.goal.velocity);
+    input.target_acceleration = one(asked.goal.acceleration);
+    input.max_velocity = one(max_velocity);
+    input.min_velocity = Some(one(min_velocity));
+    input.max_acceleration = one(max_acceleration);
+    input.min_acceleration = Some(one(min_acceleration));
+    input.max_jerk = one(max_jerk);
     input
 }
 

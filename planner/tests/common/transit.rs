@@ -8,7 +8,12 @@ pub(crate) fn residual(transit: &Transit) -> f64 {
     let segments = transit.segments();
     let begins: Vec<State> = segments.iter().map(|segment| segment.start).collect();
     let ends: Vec<State> = segments.iter().map(|segment| segment.end()).collect();
-    let all = || begins.iter().chain(&ends);
+    // The extent lies where it turns.
+    let turns: Vec<State> = segments
+        .iter()
+        .flat_map(|segment| segment.turning_points().into_iter().map(|t| segment.at(t).state))
+        .collect();
+    let all = || begins.iter().chain(&ends).chain(&turns);
     let largest = |part: fn(&State) -> f64| all().map(|state| part(state).abs()).fold(0.0, f64::max);
     let positions =
         |from: f64, choose: fn(f64, f64) -> f64| all().map(|state| state.position).fold(from, choose);
