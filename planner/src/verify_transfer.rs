@@ -12,6 +12,10 @@ use crate::{
 /// Units in the last place of the largest position: what positions far from zero may be apart besides.
 const POSITION_ULPS: f64 = 8.0;
 
+/// Units in the last place of the greatest velocity or acceleration: what one may be beyond its bound besides, since an end of a
+/// piece is no better known than its beginning.
+const VALUE_ULPS: f64 = 64.0;
+
 /// Everything that a motion within `bounds` promises and does not keep: velocity, acceleration and jerk, joins, and the end at
 /// `goal`. Empty: no objection.
 ///
@@ -29,26 +33,31 @@ pub fn transfer_violations(profile: &Profile, bounds: &Bounds, goal: State) -> V
     };
     let up = start.velocity + inevitable(start.acceleration);
     let down = start.velocity - inevitable(-start.acceleration);
-    let fastest = max_velocity.max(-min_velocity);
-    let mut watches = [
-        Watch::new(Quantity::Velocity, 1.0, max_velocity, up, fastest),
-        Watch::new(Quantity::Velocity, -1.0, -min_velocity, -down, fastest),
-        Watch::new(Quantity::Acceleration, 1.0, max_acceleration, start.acceleration, max_acceleration),
-        Watch::new(Quantity::Acceleration, -1.0, -min_acceleration, -start.acceleration, -min_acceleration),
-        Watch::new(Quantity::Jerk, 1.0, max_jerk, 0.0, max_jerk),
-        Watch::new(Quantity::Jerk, -1.0, max_jerk, 0.0, max_jerk),
-    ];
     let mut found = Vec::new();
     let mut scale = Scale::default();
     scale.see(&start);
     scale.see(&goal);
+    for (_, segment) in profile.timed_segments() {
+        for t in segment.turning_points() {
+            scale.see(&segment.at(t).state);
+        }
+    }
+    let rounded = |hardest: f64| VALUE_ULPS * f64::EPSILON * hardest;
+    let (fastest, hardest) = (rounded(scale.fastest), rounded(scale.hardest));
+    let mut watches = [
+        Watch::new(Quantity::Velocity, 1.0, max_velocity, up, fastest),
+        Watch::new(Quantity::Velocity, -1.0, -min_velocity, -down, fastest),
+        Watch::new(Quantity::Acceleration, 1.0, max_acceleration, start.acceleration, hardest),
+        Watch::new(Quantity::Acceleration, -1.0, -min_acceleration, -start.acceleration, hardest),
+        Watch::new(Quantity::Jerk, 1.0, max_jerk, 0.0, 0.0),
+        Watch::new(Quantity::Jerk, -1.0, max_jerk, 0.0, 0.0),
+    ];
     let mut before: Option<State> = None;
     let mut jumps = [(0.0, 0.0); 3];
     for (begin, segment) in profile.timed_segments() {
         for t in segment.turning_points() {
             let setpoint = segment.at(t);
             let State { velocity, acceleration, .. } = setpoint.state;
-            scale.see(&setpoint.state);
             let values = [velocity, velocity, acceleration, acceleration, setpoint.jerk, setpoint.jerk];
             for (watch, value) in watches.iter_mut().zip(values) {
                 watch.see(value, begin + t);
@@ -68,7 +77,7 @@ pub fn transfer_violations(profile: &Profile, bounds: &Bounds, goal: State) -> V
         }
         before = Some(segment.end());
     }
-    let allowed = scale.allowed();
+    let allowed = scale.allowed(max_jerk);
     const QUANTITIES: [Quantity; 3] = [Quantity::Position, Quantity::Velocity, Quantity::Acceleration];
     let axis = String::new;
     for ((quantity, allowed), (worst_jump, at_time)) in QUANTITIES.into_iter().zip(allowed).zip(jumps) {
@@ -109,9 +118,9 @@ struct Watch {
 }
 
 impl Watch {
-    fn new(quantity: Quantity, sign: f64, bound: f64, inevitable: f64, scale: f64) -> Self {
+    fn new(quantity: Quantity, sign: f64, bound: f64, inevitable: f64, rounded: f64) -> Self {
         let inevitable = inevitable.max(bound);
-        let slack = LIMIT_TOLERANCE * scale.max(inevitable.abs());
+        let slack = LIMIT_TOLERANCE * inevitable + rounded;
         let highest = f64::NEG_INFINITY;
         Self { quantity, sign, bound, inevitable, slack, lowest: highest, highest, worst: None }
     }
@@ -167,12 +176,15 @@ impl Scale {
         self.hardest = self.hardest.max(acceleration.abs());
     }
 
-    fn allowed(&self) -> [f64; 3] {
+    /// An acceleration that is known to an ulp leaves a velocity that is known to what full jerk makes of that.
+    fn allowed(&self, jerk: f64) -> [f64; 3] {
         let (least, greatest) = self.range.unwrap_or_default();
         let rounding = POSITION_ULPS * f64::EPSILON * least.abs().max(greatest.abs());
         [
             JOIN_TOLERANCE * (greatest - least) + rounding + f64::MIN_POSITIVE,
-            JOIN_TOLERANCE * self.fastest + f64::MIN_POSITIVE,
+            JOIN_TOLERANCE * self.fastest
+                + VALUE_ULPS * f64::EPSILON * (self.hardest * self.hardest / jerk)
+                + f64::MIN_POSITIVE,
             JOIN_TOLERANCE * self.hardest + f64::MIN_POSITIVE,
         ]
     }

@@ -23,6 +23,9 @@ const SLACK: f64 = 1e-9;
 /// Of the scale of a motion [1]: how far its pieces may be apart, and how far it may end from its goal.
 const END: f64 = 1e-12;
 
+/// A time in which nothing moves [s], or as good as nothing: there the peer's answer is its rounding.
+const NOTHING: f64 = 1e-12;
+
 #[derive(Deserialize)]
 struct Record {
     kind: String,
@@ -62,7 +65,7 @@ fn planned(name: &str, start: State, goal: State, bounds: Bounds) -> Transit {
     let transfer = Transfer::new(start, goal, bounds).unwrap_or_else(|refusal| panic!("{name}: {refusal}"));
     let transit = plan_transfer(&transfer).unwrap_or_else(|refusal| panic!("{name}: {refusal}"));
     assert_eq!(transfer_violations(&transit.to_profile(), &bounds, goal), [], "{name}: {transit:?}");
-    let off = common::transit::residual(&transit);
+    let off = common::transit::residual(&transit, bounds.spec().max_jerk);
     assert!(off <= END, "{name}: {off:e} of its scale apart: {transit:?}");
     transit
 }
@@ -143,11 +146,14 @@ impl Tally {
         let name = format!("{asked:?}");
         let ours = planned(&name, asked.start, asked.goal, asked.bounds());
         self.asked += 1;
-        self.apart = self.apart.max(common::transit::residual(&ours));
+        self.apart = self.apart.max(common::transit::residual(&ours, asked.bounds.max_jerk));
         let theirs = peer.duration(&peer::question(asked));
+        if ours.duration() < NOTHING {
+            return;
+        }
         // To the peer a path of 1e-9 may be none: no time is no answer to it.
         let Some(theirs) = theirs.filter(|&theirs| theirs > 0.0) else {
-            self.refused += u32::from(ours.duration() > 0.0);
+            self.refused += 1;
             if self.examples.len() < 2 {
                 self.examples.push(format!("refused: {name}"));
             }

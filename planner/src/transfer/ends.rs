@@ -6,13 +6,20 @@ pub(super) type Phases = [f64; 7];
 
 /// Of the velocities that are compared \[1\]: what they and the squares of the accelerations are rounded to. A difference below it
 /// is none: for a peak takes the root of it, and half of the digits of a duration would be made of roundings.
-const ROUNDED: f64 = 8.0 * f64::EPSILON;
+const ROUNDED: f64 = 32.0 * f64::EPSILON;
+
+/// Of the terms that add up to a way \[1\]: a way that differs from a motion's by less is that motion's, of which start and goal
+/// are rounded. Beside the fastest change of velocity, and at the end of the lens, the next motion that arrives may take far longer:
+/// there every motion lies that is planned again on its last flank.
+const WAY_ROUNDED: f64 = 64.0 * f64::EPSILON;
 
 /// The ends of a motion in the time unit that makes the jerk limit 1: accelerations are times, velocities their squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ends {
     pub(super) start: Moving,
     pub(super) goal: Moving,
+    /// From the start's velocity to the goal's: of numbers that lie close it is known better than they are.
+    pub(super) velocity_change: f64,
 }
 
 /// Velocity and acceleration.
@@ -47,17 +54,26 @@ impl Moving {
 }
 
 impl Ends {
+    /// Where the velocity changes as it does under constant jerk, but for its rounding, it is taken to do so: next to that the
+    /// duration is the root of what is left, or jumps.
+    pub(super) fn new(start: Moving, goal: Moving) -> Self {
+        let mut ends = Self { start, goal, velocity_change: goal.velocity - start.velocity };
+        let beyond = ends.beyond_constant_jerk();
+        if ends.beyond_rounding(beyond.abs()) == 0.0 {
+            ends.velocity_change = ends.mean_acceleration() * ends.acceleration_change().abs();
+        }
+        ends
+    }
+
     pub(super) fn mirrored(self) -> Self {
-        Self { start: self.start.mirrored(), goal: self.goal.mirrored() }
+        let Self { start, goal, velocity_change } = self;
+        Self { start: start.mirrored(), goal: goal.mirrored(), velocity_change: -velocity_change }
     }
 
     /// Run backwards: from the goal to the start over the same way.
     pub(super) fn reversed(self) -> Self {
-        Self { start: self.goal.reversed(), goal: self.start.reversed() }
-    }
-
-    pub(super) fn velocity_change(&self) -> f64 {
-        self.goal.velocity - self.start.velocity
+        let Self { start, goal, velocity_change } = self;
+        Self { start: goal.reversed(), goal: start.reversed(), velocity_change: -velocity_change }
     }
 
     pub(super) fn acceleration_change(&self) -> f64 {
@@ -68,6 +84,21 @@ impl Ends {
         0.5 * (self.start.acceleration + self.goal.acceleration)
     }
 
+    /// What the way of a motion that takes `time` is rounded to, where its positions are exact.
+    pub(super) fn way_rounding(&self, time: f64) -> f64 {
+        let Self { start, goal, .. } = self;
+        let accelerations = start.acceleration.abs() + goal.acceleration.abs();
+        WAY_ROUNDED * time * (start.velocity.abs() + goal.velocity.abs() + time * accelerations)
+    }
+
+    /// Are both ends the same, but for their rounding?
+    pub(super) fn are_one(&self) -> bool {
+        let Self { start, goal, velocity_change } = self;
+        let hardest = largest(start.acceleration.abs(), goal.acceleration.abs());
+        self.acceleration_change().abs() <= ROUNDED * hardest
+            && self.beyond_rounding(velocity_change.abs()) == 0.0
+    }
+
     /// `difference` of two velocities, but for what is rounding.
     pub(super) fn beyond_rounding(&self, difference: f64) -> f64 {
         let size = |end: &Moving| end.velocity.abs() + end.acceleration * end.acceleration;
@@ -76,13 +107,22 @@ impl Ends {
 
     /// What the square of a peak is more than that of the valley after it: `Δv − ā·δ`, while neither is held.
     pub(super) fn peak_excess(&self) -> f64 {
-        self.velocity_change() - self.mean_acceleration() * self.acceleration_change()
+        self.velocity_change - self.mean_acceleration() * self.acceleration_change()
     }
 
     /// Does the fastest change from one end to the other raise the acceleration first? That of constant jerk from one
     /// acceleration to the other changes the velocity by `ā·|δ|`; more needs a peak, less a valley.
+    ///
+    /// Where it is that change, the side is taken on which little more takes little longer: on the other, if both accelerations
+    /// have the same sign, the whole way through zero and back lies before the next change.
     pub(super) fn change_has_peak(&self) -> bool {
-        self.velocity_change() >= self.mean_acceleration() * self.acceleration_change().abs()
+        let beyond = self.beyond_constant_jerk();
+        if beyond == 0.0 { self.mean_acceleration() >= 0.0 } else { beyond > 0.0 }
+    }
+
+    /// How much more the velocity changes than under constant jerk.
+    fn beyond_constant_jerk(&self) -> f64 {
+        self.velocity_change - self.mean_acceleration() * self.acceleration_change().abs()
     }
 
     /// The fastest change of velocity and acceleration, wherever it leads, where it has a peak: phases 1 to 3. The valley is its
@@ -92,8 +132,8 @@ impl Ends {
     /// are lost where that is little.
     pub(super) fn fastest_change(&self, limit: f64) -> [f64; 3] {
         let (first, last) = (self.start.acceleration, self.goal.acceleration);
-        let (change, step) = (self.velocity_change(), self.acceleration_change());
-        let beyond = self.beyond_rounding(change - self.mean_acceleration() * step.abs());
+        let step = self.acceleration_change();
+        let beyond = largest(0.0, self.beyond_constant_jerk());
         let rise = |from: f64| {
             let peak = sqrt(from * from + beyond);
             if from > 0.0 { beyond / (from + peak) } else { peak - from }
@@ -109,7 +149,7 @@ impl Ends {
             return [up, 0.0, down];
         }
         let (up, down) = (limit - first, limit - last);
-        let hold = (change + 0.5 * (up * up + down * down)) / limit - up - down;
+        let hold = (self.velocity_change + 0.5 * (up * up + down * down)) / limit - up - down;
         [up, largest(0.0, hold), down]
     }
 }

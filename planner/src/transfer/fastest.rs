@@ -3,17 +3,18 @@ use super::lead_in::Confines;
 use super::lens::Lens;
 use super::upper::Upper;
 
-/// Of what the fastest change of velocity goes \[1\]: a way that differs from it by less is that way, of which start and goal are
-/// rounded. On one side of it the next motion that arrives may take far longer: that is where every motion that is planned again
-/// on its last flank begins.
-const ROUNDED: f64 = 8.0 * f64::EPSILON;
-
 /// A member of the upper family, or of the lower one seen from the other side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
     /// −1 for the lower family.
     pub(super) sign: f64,
     pub(super) phases: Phases,
+}
+
+impl Shape {
+    fn duration(&self) -> f64 {
+        self.phases.iter().sum()
+    }
 }
 
 /// The fastest motion between two ends that goes `way`; none where no velocity within the limits leads there.
@@ -24,11 +25,14 @@ pub(super) struct Shape {
 pub(super) fn fastest(ends: Ends, confines: Confines, way: f64, slack: f64) -> Option<Shape> {
     let Confines { bottom, top, up, down } = confines;
     let change = Change::of(ends, confines);
-    if (way - change.goes).abs() <= slack + ROUNDED * change.size(ends) {
+    if ends.are_one() && way.abs() <= slack {
+        return Some(Shape { sign: 1.0, phases: [0.0; 7] });
+    }
+    if (way - change.goes).abs() <= slack + ends.way_rounding(change.shape.duration()) {
         return Some(change.shape);
     }
     let sign = if way > change.goes { 1.0 } else { -1.0 };
-    let upper = Upper { ends, up, down, top, way };
+    let upper = Upper { ends, up, down, top, way, slack };
     let towards = |sign: f64| if sign > 0.0 { upper } else { upper.mirrored(bottom) };
     let family = towards(sign);
     let begins_with_peak = sign * change.shape.sign > 0.0;
@@ -50,7 +54,12 @@ pub(super) fn fastest(ends: Ends, confines: Confines, way: f64, slack: f64) -> O
         Lens::Found(phases) => Some(shape(phases)),
         Lens::Open => family.summit().map(shape),
         Lens::Closed => {
-            let sign = if way >= upper.lowest_way() { 1.0 } else { -1.0 };
+            let (phases, goes) = upper.lowest();
+            let lowest = Shape { sign: 1.0, phases };
+            if (way - goes).abs() <= slack + ends.way_rounding(lowest.duration()) {
+                return Some(lowest);
+            }
+            let sign = if way > goes { 1.0 } else { -1.0 };
             towards(sign).summit().map(|phases| Shape { sign, phases })
         }
     }
@@ -76,15 +85,5 @@ impl Change {
         let goes = state.advance(1.0, up) + state.advance(0.0, hold) + state.advance(-1.0, down);
         let phases = [up, hold, down, 0.0, 0.0, 0.0, 0.0];
         Self { shape: Shape { sign, phases }, goes: sign * goes }
-    }
-
-    /// Of the terms that add up to the way.
-    fn size(&self, ends: Ends) -> f64 {
-        let [up, hold, down, ..] = self.shape.phases;
-        let time = up + hold + down;
-        let Ends { start, goal } = ends;
-        time * (start.velocity.abs()
-            + goal.velocity.abs()
-            + time * (start.acceleration.abs() + goal.acceleration.abs()))
     }
 }

@@ -31,13 +31,15 @@ impl Upper {
     /// Over the last rise `s`, from zero, the valley is at `c = a₁ − s` and the peak at `√(W + c²)`, `W = Δv − ā·δ`, or at the limit. It ends
     /// where the valley comes to zero, or, before, where the peak comes down to `a₀`.
     pub(super) fn lens(&self) -> Lens {
-        let Ends { start, goal } = self.ends;
+        let Ends { start, goal, .. } = self.ends;
         let excess = largest(0.0, self.ends.peak_excess());
         let below = start.acceleration * start.acceleration - excess;
         let closes = start.acceleration > 0.0 && below > 0.0;
         let end = if closes { largest(0.0, goal.acceleration - sqrt(below)) } else { goal.acceleration };
         let (mut from, mut to) = (0.0, end);
-        let mut found = self.member(end, excess).way >= self.way;
+        let last = self.member(end, excess);
+        let slack = self.slack + self.ends.way_rounding(last.rise + last.hold + last.fall + end);
+        let mut found = last.way >= self.way - slack;
         if let Some(farthest) = self.farthest(excess, end) {
             if self.member(farthest, excess).way >= self.way {
                 (to, found) = (farthest, true);
@@ -63,7 +65,7 @@ impl Upper {
 
     /// The member whose last rise lasts so long.
     fn member(&self, last: f64, excess: f64) -> Member {
-        let Ends { start, goal } = self.ends;
+        let Ends { start, goal, .. } = self.ends;
         let valley = goal.acceleration - last;
         let free_peak = sqrt(valley * valley + excess);
         let peak = least(free_peak, self.up);
@@ -71,8 +73,7 @@ impl Upper {
         if free_peak > self.up {
             let gap = self.up - goal.acceleration;
             (rise, fall) = (self.up - start.acceleration, gap + last);
-            let time =
-                (self.ends.velocity_change() + 0.5 * (rise * rise - gap * gap) + fall * fall) / self.up;
+            let time = (self.ends.velocity_change + 0.5 * (rise * rise - gap * gap) + fall * fall) / self.up;
             hold = largest(0.0, time - rise - fall - last);
         } else {
             fall = if free_peak > 0.0 { excess / (valley + free_peak) } else { 0.0 };
@@ -95,7 +96,7 @@ impl Upper {
     /// The last rise, before `end`, of the member that goes farthest before the way shrinks again: where the [`Self::pace`] falls
     /// through zero. Only a motion that begins backwards has one.
     fn farthest(&self, excess: f64, end: f64) -> Option<f64> {
-        let Ends { start, goal } = self.ends;
+        let Ends { start, goal, .. } = self.ends;
         let pace_of = |valley: f64| self.pace(valley, least(self.up, sqrt(valley * valley + excess)));
         if start.velocity >= 0.0 || pace_of(goal.acceleration) <= 0.0 {
             return None;

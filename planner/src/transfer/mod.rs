@@ -132,9 +132,9 @@ fn note_goal(invalid: &mut InvalidFields, goal: &State, bounds: &Bounds) {
 /// [`Why::GoalOutsideLimits`] where the goal lies behind and the bounds forbid to go back.
 pub fn plan_transfer(transfer: &Transfer) -> Result<Transit, InvalidFields> {
     let Transfer { start, goal, .. } = transfer;
-    let Scaled { ends, confines, way, slack, unit } = Scaled::of(transfer);
-    let lead = LeadIn::of(ends.start, confines);
-    let ends = Ends { start: lead.reached, ..ends };
+    let Scaled { start: from, goal: to, confines, way, slack, unit } = Scaled::of(transfer);
+    let lead = LeadIn::of(from, confines);
+    let ends = Ends::new(lead.reached, to);
     let Some(shape) = fastest(ends, confines, way - lead.way, slack) else {
         let (given, allowed) = (goal.position, start.position);
         let why = Why::GoalOutsideLimits { given, allowed, limit: "bounds.min_velocity" };
@@ -149,7 +149,8 @@ pub fn plan_transfer(transfer: &Transfer) -> Result<Transit, InvalidFields> {
 /// ends call for; it is a power of two, which costs no bit, so that the answer does not depend on the unit of anything.
 #[derive(Clone, Copy, Debug)]
 struct Scaled {
-    ends: Ends,
+    start: Moving,
+    goal: Moving,
     confines: Confines,
     way: f64,
     /// What the way is rounded to.
@@ -181,7 +182,8 @@ impl Scaled {
             acceleration: state.acceleration * acceleration,
         };
         Self {
-            ends: Ends { start: moving(start), goal: moving(goal) },
+            start: moving(start),
+            goal: moving(goal),
             confines: Confines {
                 bottom: min_velocity * velocity,
                 top: max_velocity * velocity,
@@ -196,7 +198,7 @@ impl Scaled {
 }
 
 /// Of the positions \[1\]: what their distance is rounded to; the same target again, but for a rounding, is the same target.
-const POSITION_SLACK: f64 = 4.0 * f64::EPSILON;
+const POSITION_SLACK: f64 = 8.0 * f64::EPSILON;
 
 /// Of the time unit: its cube is a number in either direction.
 const GREATEST_EXPONENT: i32 = 300;

@@ -14,6 +14,8 @@ pub(super) struct Upper {
     pub(super) top: f64,
     /// How far the motion is to go.
     pub(super) way: f64,
+    /// What that is rounded to.
+    pub(super) slack: f64,
 }
 
 /// From an end to a velocity at which acceleration is zero, or back: full jerk for `rise`, the limit for `hold`, and full jerk
@@ -90,8 +92,8 @@ impl Summit {
 
 impl Upper {
     pub(super) fn mirrored(self, bottom: f64) -> Self {
-        let Self { ends, up, down, way, .. } = self;
-        Self { ends: ends.mirrored(), up: down, down: up, top: -bottom, way: -way }
+        let Self { ends, up, down, way, slack, .. } = self;
+        Self { ends: ends.mirrored(), up: down, down: up, top: -bottom, way: -way, slack }
     }
 
     /// Run backwards, which leaves the family as it is.
@@ -102,7 +104,7 @@ impl Upper {
     /// The member that goes the way, among those that pass zero acceleration on the way down; none where velocities up to the
     /// limit, which is then zero, do not lead there. What they go at least is less than the way.
     pub(super) fn summit(&self) -> Option<Phases> {
-        let Ends { start, goal } = self.ends;
+        let Ends { start, goal, .. } = self.ends;
         let Feet { lowest, first, last } = self.feet();
         let at = |above: f64| self.at(above);
         let room = self.ends.beyond_rounding(self.top - lowest);
@@ -141,7 +143,7 @@ impl Upper {
 
     /// The two flanks up to a velocity `above` the lowest at which they meet.
     fn at(&self, above: f64) -> Summit {
-        let Ends { start, goal } = self.ends;
+        let Ends { start, goal, .. } = self.ends;
         let Feet { first, last, .. } = self.feet();
         Summit {
             first: Flank::of(start, above + first, self.up),
@@ -156,9 +158,10 @@ impl Upper {
         Feet { first, last: self.ends.beyond_rounding(lowest - from_goal), lowest }
     }
 
-    /// What the member with the lowest summit goes.
-    pub(super) fn lowest_way(&self) -> f64 {
-        self.at(0.0).way()
+    /// The member with the lowest summit, and what it goes.
+    pub(super) fn lowest(&self) -> (Phases, f64) {
+        let summit = self.at(0.0);
+        (summit.phases(0.0), summit.way())
     }
 
     /// Neither acceleration is held, so that all hangs on the fall `y` from peak to valley; it is at most `highest`.
@@ -172,9 +175,9 @@ impl Upper {
     /// No term is larger than the motion itself, however hard it accelerates at its ends. From the least `y` on the function is
     /// convex, with a third derivative of 3/2 or more, which bounds the root.
     fn free(&self, highest: f64) -> Phases {
-        let Ends { start, goal } = self.ends;
+        let Ends { start, goal, .. } = self.ends;
         let (change, step, mean) =
-            (self.ends.velocity_change(), self.ends.acceleration_change(), self.ends.mean_acceleration());
+            (self.ends.velocity_change, self.ends.acceleration_change(), self.ends.mean_acceleration());
         let sum = start.velocity + goal.velocity;
         let offset = -self.way - step * step * step / 12.0;
         let skew = |y: f64| (change - mean * (2.0 * y + step)) / y;
@@ -185,23 +188,28 @@ impl Upper {
             (value, sum + 0.75 * squares + 0.25 * (k * k - step * step) + mean * k)
         };
         let lowest = self.least_fall();
-        let begin = if lowest > 0.0 {
-            let (value, slope) = value_and_slope(lowest);
-            let rest = largest(0.0, -value);
-            let cubic = libm::cbrt(4.0 * rest);
-            let bound = if slope > 0.0 { least(cubic, rest / slope) } else { cubic + 2.0 * sqrt(-slope) };
-            least(highest, lowest + bound)
-        } else {
-            highest
-        };
+        let (value, slope) = if lowest > 0.0 { value_and_slope(lowest) } else { self.at_no_fall(offset) };
+        let rest = largest(0.0, -value);
+        let cubic = libm::cbrt(4.0 * rest);
+        let bound = if slope > 0.0 { least(cubic, rest / slope) } else { cubic + 2.0 * sqrt(-slope) };
+        let begin = least(highest, lowest + bound);
         let y = convex_root(begin, lowest, highest, value_and_slope);
         let k = if y > 0.0 { skew(y) } else { 0.0 };
         [largest(0.0, 0.5 * (y + step + k)), 0.0, y, 0.0, 0.0, 0.0, largest(0.0, 0.5 * (y + step - k))]
     }
 
+    /// The limit of the function in [`Self::free`] and of its slope for no fall at all, which there is where the velocity changes
+    /// under constant jerk, up: `κ = −2·ā·y`.
+    fn at_no_fall(&self, offset: f64) -> (f64, f64) {
+        let Ends { start, goal, .. } = self.ends;
+        let (step, mean) = (self.ends.acceleration_change(), self.ends.mean_acceleration());
+        let sum = start.velocity + goal.velocity;
+        (0.5 * step * sum + offset, sum - 0.25 * step * step - mean * mean)
+    }
+
     /// The fall from peak to valley at the lowest summit, where one of both rises is no longer than it must be.
     fn least_fall(&self) -> f64 {
-        let Ends { start, goal } = self.ends;
+        let Ends { start, goal, .. } = self.ends;
         let (peak, valley) = (largest(0.0, start.acceleration), largest(0.0, -goal.acceleration));
         let excess = self.ends.peak_excess() + valley * valley - peak * peak;
         if excess >= 0.0 {
@@ -219,11 +227,11 @@ impl Upper {
     /// way′(z) = (v + A·(z − A)/2)·T′(z),   v = v₁ − a₁²/2 + (z − A)² the velocity without acceleration
     /// ```
     fn half_held(&self, low: f64, high: f64) -> Phases {
-        let Ends { start, goal } = self.ends;
+        let Ends { start, goal, .. } = self.ends;
         let limit = self.up;
         let (rise, gap) = (limit - start.acceleration, limit - goal.acceleration);
         let inverse = 1.0 / limit;
-        let square = self.ends.velocity_change() + 0.5 * (rise * rise - gap * gap);
+        let square = self.ends.velocity_change + 0.5 * (rise * rise - gap * gap);
         let time = |z: f64| (square + z * z) * inverse;
         let vertex = goal.velocity - 0.5 * goal.acceleration * goal.acceleration;
         let offset = rise * rise * rise / 6.0 - self.way;

@@ -113,9 +113,10 @@ fn sign(random: &mut Random) -> f64 {
     if random.bits().is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
-/// `value`, up to two floats to the side.
+/// `value`, up to two floats to the side; zero is left alone.
 fn beside(random: &mut Random, value: f64) -> f64 {
-    super::nudged(value, (random.bits() % 5) as i32 - 2)
+    let ulps = (random.bits() % 5) as i32 - 2;
+    if value == 0.0 { value } else { super::nudged(value, ulps) }
 }
 
 fn limits(random: &mut Random, kind: Kind) -> BoundsSpec {

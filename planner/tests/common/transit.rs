@@ -4,7 +4,7 @@ use planner::{State, Transit};
 
 /// The largest gap between two pieces, or between the last and the goal: of the extent, of the fastest, of the hardest; of
 /// positions, after what they are rounded to.
-pub(crate) fn residual(transit: &Transit) -> f64 {
+pub(crate) fn residual(transit: &Transit, jerk: f64) -> f64 {
     let segments = transit.segments();
     let begins: Vec<State> = segments.iter().map(|segment| segment.start).collect();
     let ends: Vec<State> = segments.iter().map(|segment| segment.end()).collect();
@@ -18,7 +18,7 @@ pub(crate) fn residual(transit: &Transit) -> f64 {
     let positions =
         |from: f64, choose: fn(f64, f64) -> f64| all().map(|state| state.position).fold(from, choose);
     let extent = positions(f64::NEG_INFINITY, f64::max) - positions(f64::INFINITY, f64::min);
-    let rounding = 4.0 * f64::EPSILON * largest(|state| state.position);
+    let rounding = 12.0 * f64::EPSILON * largest(|state| state.position);
     let next = begins.iter().skip(1).copied().chain([transit.end()]);
     let mut worst: f64 = 0.0;
     for (end, begin) in ends.iter().zip(next) {
@@ -28,7 +28,10 @@ pub(crate) fn residual(transit: &Transit) -> f64 {
         };
         let apart = (end.position - begin.position).abs() - rounding;
         worst = worst.max(off(apart.max(0.0), 0.0, extent));
-        worst = worst.max(off(end.velocity, begin.velocity, largest(|state| state.velocity)));
+        // What full jerk makes of an ulp of the acceleration is an ulp of the velocity.
+        let hardest = largest(|state| state.acceleration);
+        let fastest = largest(|state| state.velocity).max(0.05 * hardest * hardest / jerk);
+        worst = worst.max(off(end.velocity, begin.velocity, fastest));
         worst = worst.max(off(end.acceleration, begin.acceleration, largest(|state| state.acceleration)));
     }
     worst
