@@ -128,7 +128,9 @@ pub use segment::{Law, MAX_TURNING_POINTS, Segment, Setpoint};
 pub use short_path::ShortPathPolicy;
 pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_stop, plan_trapezoid};
 pub use state::State;
-pub use transfer::{Bounds, BoundsSpec, MAX_TRANSIT_PIECES, Transfer, Transit, plan_transfer};
+pub use transfer::{
+    Bounds, BoundsSpec, MAX_TRANSIT_PIECES, Transfer, Transit, plan_between, plan_transfer, plan_velocity,
+};
 pub use trigonometric::plan_trigonometric;
 pub use verify::{
     Certificate, EndCheck, JOIN_TOLERANCE, JoinCheck, LIMIT_TOLERANCE, LimitCheck, Violation, certify,

@@ -295,11 +295,6 @@ fn what_a_later_version_will_do() {
            NEAREST_VELOCITY or MATCH_START_VELOCITY",
         ],
     );
-    let accelerating = State { position: 0.0, velocity: 0.5, acceleration: 0.5 };
-    check(
-        plan_stop(accelerating, &limits().try_into().unwrap()),
-        &["a stop while accelerating is not implemented: stop from a constant speed"],
-    );
 }
 
 fn ask(family: Family, order: Option<u32>, axis: AxisMoveSpec) -> Result<Request, InvalidFields> {

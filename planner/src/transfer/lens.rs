@@ -94,11 +94,12 @@ impl Upper {
     }
 
     /// The last rise, before `end`, of the member that goes farthest before the way shrinks again: where the [`Self::pace`] falls
-    /// through zero. Only a motion that begins backwards has one.
+    /// through zero. Only a motion that goes backwards at first has one.
     fn farthest(&self, excess: f64, end: f64) -> Option<f64> {
         let Ends { start, goal, .. } = self.ends;
         let pace_of = |valley: f64| self.pace(valley, least(self.up, sqrt(valley * valley + excess)));
-        if start.velocity >= 0.0 || pace_of(goal.acceleration) <= 0.0 {
+        let slowest = if start.acceleration < 0.0 { start.coasting() } else { start.velocity };
+        if slowest >= 0.0 || pace_of(goal.acceleration) <= 0.0 {
             return None;
         }
         let vertex = goal.velocity - 0.5 * goal.acceleration * goal.acceleration;

@@ -19,17 +19,20 @@ mod ends;
 mod fastest;
 mod lead_in;
 mod lens;
+mod mapped;
 mod transit;
 mod upper;
 
 pub use bounds::{Bounds, BoundsSpec};
+pub use mapped::plan_between;
+pub(crate) use mapped::stop;
 pub use transit::{MAX_TRANSIT_PIECES, Transit};
 
 use crate::State;
 use crate::error::{Field, InvalidFields, Why};
 use crate::problem::note_not_finite;
 use ends::{Ends, Moving};
-use fastest::fastest;
+use fastest::{Change, fastest};
 use lead_in::{Confines, LeadIn};
 
 /// Of the velocities that are compared \[1\]: a goal may be beyond a limit by this much, since it was computed.
@@ -56,7 +59,7 @@ impl Transfer {
         let mut invalid = InvalidFields::default();
         note_not_finite(&mut invalid, &start, &goal);
         if invalid.is_empty() {
-            note_goal(&mut invalid, &goal, &bounds);
+            note_goal(&mut invalid, &goal, &bounds, &NAMES);
         }
         invalid.into_result(Self { start, goal, bounds })
     }
@@ -80,21 +83,36 @@ impl Transfer {
     }
 }
 
-fn note_goal(invalid: &mut InvalidFields, goal: &State, bounds: &Bounds) {
+/// What bounds are called where they were given.
+struct Names {
+    min_velocity: &'static str,
+    max_velocity: &'static str,
+    min_acceleration: &'static str,
+    max_acceleration: &'static str,
+}
+
+const NAMES: Names = Names {
+    min_velocity: "bounds.min_velocity",
+    max_velocity: "bounds.max_velocity",
+    min_acceleration: "bounds.min_acceleration",
+    max_acceleration: "bounds.max_acceleration",
+};
+
+fn note_goal(invalid: &mut InvalidFields, goal: &State, bounds: &Bounds, names: &Names) {
     let BoundsSpec { min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk } =
         *bounds.spec();
     let State { velocity, acceleration, .. } = *goal;
     let refuse = |given, allowed, limit| Some(Why::GoalOutsideLimits { given, allowed, limit });
     let mut inner = InvalidFields::default();
     if velocity > max_velocity {
-        inner.note("velocity", refuse(velocity, max_velocity, "bounds.max_velocity"));
+        inner.note("velocity", refuse(velocity, max_velocity, names.max_velocity));
     } else if velocity < min_velocity {
-        inner.note("velocity", refuse(velocity, min_velocity, "bounds.min_velocity"));
+        inner.note("velocity", refuse(velocity, min_velocity, names.min_velocity));
     }
     if acceleration > max_acceleration {
-        inner.note("acceleration", refuse(acceleration, max_acceleration, "bounds.max_acceleration"));
+        inner.note("acceleration", refuse(acceleration, max_acceleration, names.max_acceleration));
     } else if acceleration < min_acceleration {
-        inner.note("acceleration", refuse(acceleration, min_acceleration, "bounds.min_acceleration"));
+        inner.note("acceleration", refuse(acceleration, min_acceleration, names.min_acceleration));
     }
     if inner.is_empty() {
         // The velocity from which full jerk alone leads to the goal: whatever comes before, it was passed.
@@ -103,10 +121,10 @@ fn note_goal(invalid: &mut InvalidFields, goal: &State, bounds: &Bounds) {
         let nearest = |room: f64| crate::float::sqrt(2.0 * max_jerk * room);
         if acceleration < 0.0 && velocity + square > max_velocity + slack {
             let allowed = -nearest(max_velocity - velocity) + 0.0;
-            inner.note("acceleration", refuse(acceleration, allowed, "bounds.max_velocity"));
+            inner.note("acceleration", refuse(acceleration, allowed, names.max_velocity));
         } else if acceleration > 0.0 && velocity - square < min_velocity - slack {
             let allowed = nearest(velocity - min_velocity);
-            inner.note("acceleration", refuse(acceleration, allowed, "bounds.min_velocity"));
+            inner.note("acceleration", refuse(acceleration, allowed, names.min_velocity));
         }
     }
     invalid.extend_within(&Field::named("goal"), inner);
@@ -141,6 +159,31 @@ pub fn plan_transfer(transfer: &Transfer) -> Result<Transit, InvalidFields> {
         return Err(InvalidFields::one(Field::named("goal.position"), why));
     };
     Ok(Transit::lay(transfer, &lead, &shape, unit))
+}
+
+/// The fastest way to a velocity without acceleration, wherever it leads: the end of the motion says. A start beyond the bounds is
+/// led back as by [`plan_transfer`].
+///
+/// ```
+/// # use planner::{plan_velocity, Bounds, State};
+/// let bounds = Bounds::symmetric(5.0, 1.0, 1.0)?;
+/// let braking = State { position: 0.0, velocity: 2.0, acceleration: -1.0 };
+/// let stop = plan_velocity(braking, 0.0, bounds)?;
+/// assert_eq!(stop.duration(), 2.5); // −1 for 1.5 s, and back to zero in 1 s
+/// # Ok::<(), planner::InvalidFields>(())
+/// ```
+///
+/// # Errors
+/// Every number that is not finite, and a velocity that is not within `bounds`.
+pub fn plan_velocity(start: State, velocity: f64, bounds: Bounds) -> Result<Transit, InvalidFields> {
+    let goal = State { velocity, ..State::at_rest(start.position) };
+    let mut transfer = Transfer::new(start, goal, bounds)?;
+    let Scaled { start: from, goal: to, confines, unit, .. } = Scaled::of(&transfer);
+    let lead = LeadIn::of(from, confines);
+    let change = Change::of(Ends::new(lead.reached, to), confines);
+    let length = bounds.spec().max_jerk * unit * unit * unit;
+    transfer.goal.position += (lead.way + change.goes) * length;
+    Ok(Transit::lay(&transfer, &lead, &change.shape, unit))
 }
 
 /// A question in units in which the jerk limit is 1 and the motion about as large.

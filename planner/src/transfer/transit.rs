@@ -90,6 +90,10 @@ impl Transit {
         }
     }
 
+    pub(crate) fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
     /// The pieces, in order; none where nothing moves.
     #[must_use]
     pub fn segments(&self) -> ArrayVec<Segment, MAX_TRANSIT_PIECES> {
