@@ -5,7 +5,7 @@
 use planner::{
     AxisKind, AxisMoveSpec, CycleTime, Family, Field, InvalidFields, Limits, LimitsSpec, Method, Plan,
     Problem, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Why, plan, plan_move,
-    plan_polynomial, plan_stop, plan_trigonometric,
+    plan_polynomial, plan_trigonometric,
 };
 
 fn limits() -> LimitsSpec {

@@ -161,7 +161,7 @@ impl Tally {
         };
         let longer = ours.duration() / theirs - 1.0;
         if longer > SLACK {
-            assert!(!peer.arrives(asked), "ours {}, theirs {theirs}: {name}\n{ours:?}", ours.duration());
+            assert!(!peer.arrives(asked, END), "ours {}, theirs {theirs}: {name}\n{ours:?}", ours.duration());
             self.astray += 1;
             if self.astray == 1 {
                 self.examples.push(format!("astray: theirs {theirs}, ours {}: {name}", ours.duration()));

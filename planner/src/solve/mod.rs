@@ -95,7 +95,7 @@ pub(crate) fn feed_rate_above_limit(limits: &Limits, direction: f64) -> Option<A
 /// # Errors
 /// [`Why::PositionLimit`] where it leaves the position range; a number of `from` that is not finite.
 pub fn plan_stop(from: State, limits: &Limits) -> Result<Move, InvalidFields> {
-    if from.acceleration != 0.0 || from.velocity.abs() > limits.velocity_towards(from.velocity) {
+    if from.acceleration != 0.0 {
         return stop_from_any_state(from, limits);
     }
     let direction = if from.velocity < 0.0 { -1.0 } else { 1.0 };

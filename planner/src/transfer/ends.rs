@@ -18,8 +18,8 @@ const WAY_ROUNDED: f64 = 64.0 * f64::EPSILON;
 pub(super) struct Ends {
     pub(super) start: Moving,
     pub(super) goal: Moving,
-    /// From the start's velocity to the goal's: of numbers that lie close it is known better than they are.
-    pub(super) velocity_change: f64,
+    /// From the start to the goal: of numbers that lie close their difference is known better than they are.
+    pub(super) change: Moving,
 }
 
 /// Velocity and acceleration.
@@ -30,6 +30,11 @@ pub(super) struct Moving {
 }
 
 impl Moving {
+    pub(super) fn to(self, goal: Self) -> Self {
+        let Self { velocity, acceleration } = self;
+        Self { velocity: goal.velocity - velocity, acceleration: goal.acceleration - acceleration }
+    }
+
     pub(super) fn mirrored(self) -> Self {
         Self { velocity: -self.velocity, acceleration: -self.acceleration }
     }
@@ -56,28 +61,25 @@ impl Moving {
 impl Ends {
     /// Where the velocity changes as it does under constant jerk, but for its rounding, it is taken to do so: next to that the
     /// duration is the root of what is left, or jumps.
-    pub(super) fn new(start: Moving, goal: Moving) -> Self {
-        let mut ends = Self { start, goal, velocity_change: goal.velocity - start.velocity };
+    pub(super) fn new(start: Moving, goal: Moving, change: Moving) -> Self {
+        let mut ends = Self { start, goal, change };
         let beyond = ends.beyond_constant_jerk();
         if ends.beyond_rounding(beyond.abs()) == 0.0 {
-            ends.velocity_change = ends.mean_acceleration() * ends.acceleration_change().abs();
+            ends.change.velocity = ends.mean_acceleration() * change.acceleration.abs();
         }
         ends
     }
 
     pub(super) fn mirrored(self) -> Self {
-        let Self { start, goal, velocity_change } = self;
-        Self { start: start.mirrored(), goal: goal.mirrored(), velocity_change: -velocity_change }
+        let Self { start, goal, change } = self;
+        Self { start: start.mirrored(), goal: goal.mirrored(), change: change.mirrored() }
     }
 
     /// Run backwards: from the goal to the start over the same way.
     pub(super) fn reversed(self) -> Self {
-        let Self { start, goal, velocity_change } = self;
-        Self { start: goal.reversed(), goal: start.reversed(), velocity_change: -velocity_change }
-    }
-
-    pub(super) fn acceleration_change(&self) -> f64 {
-        self.goal.acceleration - self.start.acceleration
+        let Self { start, goal, change } = self;
+        let change = Moving { velocity: -change.velocity, ..change };
+        Self { start: goal.reversed(), goal: start.reversed(), change }
     }
 
     pub(super) fn mean_acceleration(&self) -> f64 {
@@ -93,10 +95,9 @@ impl Ends {
 
     /// Are both ends the same, but for their rounding?
     pub(super) fn are_one(&self) -> bool {
-        let Self { start, goal, velocity_change } = self;
+        let Self { start, goal, change } = self;
         let hardest = largest(start.acceleration.abs(), goal.acceleration.abs());
-        self.acceleration_change().abs() <= ROUNDED * hardest
-            && self.beyond_rounding(velocity_change.abs()) == 0.0
+        change.acceleration.abs() <= ROUNDED * hardest && self.beyond_rounding(change.velocity.abs()) == 0.0
     }
 
     /// `difference` of two velocities, but for what is rounding.
@@ -107,7 +108,7 @@ impl Ends {
 
     /// What the square of a peak is more than that of the valley after it: `Δv − ā·δ`, while neither is held.
     pub(super) fn peak_excess(&self) -> f64 {
-        self.velocity_change - self.mean_acceleration() * self.acceleration_change()
+        self.change.velocity - self.mean_acceleration() * self.change.acceleration
     }
 
     /// Does the fastest change from one end to the other raise the acceleration first? That of constant jerk from one
@@ -122,7 +123,7 @@ impl Ends {
 
     /// How much more the velocity changes than under constant jerk.
     fn beyond_constant_jerk(&self) -> f64 {
-        self.velocity_change - self.mean_acceleration() * self.acceleration_change().abs()
+        self.change.velocity - self.mean_acceleration() * self.change.acceleration.abs()
     }
 
     /// The fastest change of velocity and acceleration, wherever it leads, where it has a peak: phases 1 to 3. The valley is its
@@ -132,7 +133,7 @@ impl Ends {
     /// are lost where that is little.
     pub(super) fn fastest_change(&self, limit: f64) -> [f64; 3] {
         let (first, last) = (self.start.acceleration, self.goal.acceleration);
-        let step = self.acceleration_change();
+        let step = self.change.acceleration;
         let beyond = largest(0.0, self.beyond_constant_jerk());
         let rise = |from: f64| {
             let peak = sqrt(from * from + beyond);
@@ -149,7 +150,7 @@ impl Ends {
             return [up, 0.0, down];
         }
         let (up, down) = (limit - first, limit - last);
-        let hold = (self.velocity_change + 0.5 * (up * up + down * down)) / limit - up - down;
+        let hold = (self.change.velocity + 0.5 * (up * up + down * down)) / limit - up - down;
         [up, largest(0.0, hold), down]
     }
 }

@@ -82,7 +82,12 @@ impl Change {
         };
         let [up, hold, down] = ends.fastest_change(limit);
         let mut state = ends.start;
-        let goes = state.advance(1.0, up) + state.advance(0.0, hold) + state.advance(-1.0, down);
+        let mut goes = state.advance(1.0, up);
+        if hold > 0.0 {
+            state.acceleration = limit;
+            goes += state.advance(0.0, hold);
+        }
+        goes += state.advance(-1.0, down);
         let phases = [up, hold, down, 0.0, 0.0, 0.0, 0.0];
         Self { shape: Shape { sign, phases }, goes: sign * goes }
     }

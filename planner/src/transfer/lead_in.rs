@@ -71,6 +71,7 @@ impl LeadIn {
         let (depth, hold) =
             if valley <= down { (valley, 0.0) } else { (down, (beyond - down * down) / down) };
         self.go(-sign, acceleration + depth);
+        self.reached.acceleration = -sign * depth;
         self.go(0.0, hold);
         let reached = Moving { velocity: top + 0.5 * depth * depth, acceleration: -depth };
         self.reached = if sign < 0.0 { reached.mirrored() } else { reached };

@@ -73,16 +73,20 @@ impl Upper {
         if free_peak > self.up {
             let gap = self.up - goal.acceleration;
             (rise, fall) = (self.up - start.acceleration, gap + last);
-            let time = (self.ends.velocity_change + 0.5 * (rise * rise - gap * gap) + fall * fall) / self.up;
+            let time = (self.ends.change.velocity + 0.5 * (rise * rise - gap * gap) + fall * fall) / self.up;
             hold = largest(0.0, time - rise - fall - last);
         } else {
             fall = if free_peak > 0.0 { excess / (valley + free_peak) } else { 0.0 };
-            rise = largest(0.0, fall - last + self.ends.acceleration_change());
+            rise = largest(0.0, fall - last + self.ends.change.acceleration);
             hold = 0.0;
         }
         let mut state = start;
-        let way = state.advance(1.0, rise) + state.advance(0.0, hold) + state.advance(-1.0, fall);
-        let way = way + state.advance(1.0, last);
+        let mut way = state.advance(1.0, rise);
+        if hold > 0.0 {
+            state.acceleration = self.up;
+            way += state.advance(0.0, hold);
+        }
+        way += state.advance(-1.0, fall) + state.advance(1.0, last);
         let ratio = if peak > 0.0 { valley / peak } else { 0.0 };
         Member { rise, hold, fall, way, slope: self.pace(valley, peak) * 2.0 * (1.0 - ratio) }
     }

@@ -12,14 +12,15 @@
 
 use super::bounds::{Bounds, BoundsSpec};
 use super::transit::Transit;
-use super::{Names, Transfer, note_goal, plan_transfer, plan_velocity};
+use super::{Names, Transfer, note_goal, plan_velocity, transit_of};
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::{largest, least};
 use crate::problem::note_not_finite;
 use crate::roots::quadratic;
 use crate::{Law, Limits, Segment, State};
 
-/// Of a limit \[1\]: what an acceleration may be beyond it, since it was computed.
+/// Of the hardest and of the fastest \[1\]: what an acceleration may be beyond its limit, and a velocity be beside zero, since they
+/// were computed.
 const ROUNDED: f64 = 1e-12;
 
 /// The names of signed bounds in [`Limits`].
@@ -47,7 +48,7 @@ pub fn plan_between(start: State, goal: State, limits: &Limits) -> Result<Transi
         note_goal(&mut invalid, &goal, &bounds(limits, hardest, hardest), &NAMES);
     }
     invalid.into_result(())?;
-    let planned = shortest(limits, |bounds| plan_transfer(&Transfer::new(start, goal, bounds)?))?;
+    let planned = shortest(limits, |bounds| transit_of(&Transfer::new(start, goal, bounds)?, &NAMES))?;
     within_range(&planned, limits)?;
     Ok(planned)
 }
@@ -95,19 +96,27 @@ fn bounds(limits: &Limits, up: f64, down: f64) -> Bounds {
 }
 
 /// Does the acceleration keep the limit of what it does to the speed? An acceleration at the start that is beyond it may be on its way
-/// back.
+/// back. A velocity that is a rounded zero goes in no direction.
 fn keeps(planned: &Transit, limits: &Limits) -> bool {
-    planned.segments().iter().enumerate().all(|(index, segment)| {
+    let segments = planned.segments();
+    let begins = segments.iter().map(|segment| segment.start.velocity.abs());
+    let standstill = ROUNDED * begins.fold(planned.end().velocity.abs(), largest);
+    let begins = segments.iter().map(|segment| segment.start.acceleration.abs());
+    let rounding = ROUNDED * begins.fold(planned.end().acceleration.abs(), largest);
+    segments.iter().enumerate().all(|(index, segment)| {
         let mut times = segment.turning_points();
         times.extend(standstills(segment).into_iter().filter(|t| *t > 0.0 && *t < segment.duration));
         times.sort_unstable_by(f64::total_cmp);
         times.windows(2).all(|span| {
             let (from, to) = (segment.at(span[0]).state, segment.at(span[1]).state);
             let velocity = segment.at(0.5 * (span[0] + span[1])).state.velocity;
+            if velocity.abs() <= standstill {
+                return true;
+            }
             let limit = |acceleration: f64| {
                 if acceleration * velocity >= 0.0 { limits.acceleration() } else { limits.deceleration() }
             };
-            let kept = |acceleration: f64| acceleration.abs() <= limit(acceleration) * (1.0 + ROUNDED);
+            let kept = |acceleration: f64| acceleration.abs() <= limit(acceleration) + rounding;
             let comes_back = index == 0 && to.acceleration.abs() < from.acceleration.abs();
             (kept(from.acceleration) && kept(to.acceleration)) || comes_back
         })

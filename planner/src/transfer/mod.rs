@@ -149,16 +149,26 @@ fn note_goal(invalid: &mut InvalidFields, goal: &State, bounds: &Bounds, names: 
 /// # Errors
 /// [`Why::GoalOutsideLimits`] where the goal lies behind and the bounds forbid to go back.
 pub fn plan_transfer(transfer: &Transfer) -> Result<Transit, InvalidFields> {
-    let Transfer { start, goal, .. } = transfer;
-    let Scaled { start: from, goal: to, confines, way, slack, unit } = Scaled::of(transfer);
-    let lead = LeadIn::of(from, confines);
-    let ends = Ends::new(lead.reached, to);
-    let Some(shape) = fastest(ends, confines, way - lead.way, slack) else {
-        let (given, allowed) = (goal.position, start.position);
-        let why = Why::GoalOutsideLimits { given, allowed, limit: "bounds.min_velocity" };
-        return Err(InvalidFields::one(Field::named("goal.position"), why));
-    };
-    Ok(Transit::lay(transfer, &lead, &shape, unit))
+    transit_of(transfer, &NAMES)
+}
+
+fn transit_of(transfer: &Transfer, names: &Names) -> Result<Transit, InvalidFields> {
+    let scaled = Scaled::of(transfer);
+    let Scaled { confines, way, slack, unit, .. } = scaled;
+    let lead = LeadIn::of(scaled.start, confines);
+    match fastest(scaled.ends_after(&lead), confines, way - lead.way, slack) {
+        Some(shape) => Ok(Transit::lay(transfer, &lead, &shape, unit)),
+        None => Err(behind(transfer, names)),
+    }
+}
+
+/// The goal lies behind: what can be reached is where the axis can come to a stop.
+#[cold]
+fn behind(transfer: &Transfer, names: &Names) -> InvalidFields {
+    let Transfer { start, goal, bounds } = *transfer;
+    let allowed = plan_velocity(start, 0.0, bounds).map_or(start.position, |stop| stop.end().position);
+    let why = Why::GoalOutsideLimits { given: goal.position, allowed, limit: names.min_velocity };
+    InvalidFields::one(Field::named("goal.position"), why)
 }
 
 /// The fastest way to a velocity without acceleration, wherever it leads: the end of the motion says. A start beyond the bounds is
@@ -178,9 +188,10 @@ pub fn plan_transfer(transfer: &Transfer) -> Result<Transit, InvalidFields> {
 pub fn plan_velocity(start: State, velocity: f64, bounds: Bounds) -> Result<Transit, InvalidFields> {
     let goal = State { velocity, ..State::at_rest(start.position) };
     let mut transfer = Transfer::new(start, goal, bounds)?;
-    let Scaled { start: from, goal: to, confines, unit, .. } = Scaled::of(&transfer);
-    let lead = LeadIn::of(from, confines);
-    let change = Change::of(Ends::new(lead.reached, to), confines);
+    let scaled = Scaled::of(&transfer);
+    let Scaled { confines, unit, .. } = scaled;
+    let lead = LeadIn::of(scaled.start, confines);
+    let change = Change::of(scaled.ends_after(&lead), confines);
     let length = bounds.spec().max_jerk * unit * unit * unit;
     transfer.goal.position += (lead.way + change.goes) * length;
     Ok(Transit::lay(&transfer, &lead, &change.shape, unit))
@@ -194,6 +205,8 @@ pub fn plan_velocity(start: State, velocity: f64, bounds: Bounds) -> Result<Tran
 struct Scaled {
     start: Moving,
     goal: Moving,
+    /// From one to the other, before either was rounded to the new unit.
+    change: Moving,
     confines: Confines,
     way: f64,
     /// What the way is rounded to.
@@ -227,6 +240,10 @@ impl Scaled {
         Self {
             start: moving(start),
             goal: moving(goal),
+            change: Moving {
+                velocity: (goal.velocity - start.velocity) * velocity,
+                acceleration: (goal.acceleration - start.acceleration) * acceleration,
+            },
             confines: Confines {
                 bottom: min_velocity * velocity,
                 top: max_velocity * velocity,
@@ -237,6 +254,12 @@ impl Scaled {
             slack: POSITION_SLACK * start.position.abs().max(goal.position.abs()) * length,
             unit: power_of_two(exponent),
         }
+    }
+
+    fn ends_after(&self, lead: &LeadIn) -> Ends {
+        let Self { goal, change, .. } = *self;
+        let change = if lead.pieces.is_empty() { change } else { lead.reached.to(goal) };
+        Ends::new(lead.reached, goal, change)
     }
 }
 

@@ -152,10 +152,12 @@ impl Upper {
     }
 
     fn feet(&self) -> Feet {
-        let (from_start, from_goal) = (self.ends.start.coasting(), self.ends.goal.reversed().coasting());
-        let lowest = largest(from_start, from_goal);
-        let first = self.ends.beyond_rounding(lowest - from_start);
-        Feet { first, last: self.ends.beyond_rounding(lowest - from_goal), lowest }
+        let Ends { start, goal, change } = self.ends;
+        let (from_start, from_goal) = (start.coasting(), goal.reversed().coasting());
+        let square = |moving: Moving| moving.acceleration * moving.acceleration.abs();
+        let apart = change.velocity - 0.5 * (square(start) + square(goal));
+        let first = self.ends.beyond_rounding(apart);
+        Feet { first, last: self.ends.beyond_rounding(-apart), lowest: largest(from_start, from_goal) }
     }
 
     /// The member with the lowest summit, and what it goes.
@@ -177,7 +179,7 @@ impl Upper {
     fn free(&self, highest: f64) -> Phases {
         let Ends { start, goal, .. } = self.ends;
         let (change, step, mean) =
-            (self.ends.velocity_change, self.ends.acceleration_change(), self.ends.mean_acceleration());
+            (self.ends.change.velocity, self.ends.change.acceleration, self.ends.mean_acceleration());
         let sum = start.velocity + goal.velocity;
         let offset = -self.way - step * step * step / 12.0;
         let skew = |y: f64| (change - mean * (2.0 * y + step)) / y;
@@ -202,7 +204,7 @@ impl Upper {
     /// under constant jerk, up: `κ = −2·ā·y`.
     fn at_no_fall(&self, offset: f64) -> (f64, f64) {
         let Ends { start, goal, .. } = self.ends;
-        let (step, mean) = (self.ends.acceleration_change(), self.ends.mean_acceleration());
+        let (step, mean) = (self.ends.change.acceleration, self.ends.mean_acceleration());
         let sum = start.velocity + goal.velocity;
         (0.5 * step * sum + offset, sum - 0.25 * step * step - mean * mean)
     }
@@ -231,7 +233,7 @@ impl Upper {
         let limit = self.up;
         let (rise, gap) = (limit - start.acceleration, limit - goal.acceleration);
         let inverse = 1.0 / limit;
-        let square = self.ends.velocity_change + 0.5 * (rise * rise - gap * gap);
+        let square = self.ends.change.velocity + 0.5 * (rise * rise - gap * gap);
         let time = |z: f64| (square + z * z) * inverse;
         let vertex = goal.velocity - 0.5 * goal.acceleration * goal.acceleration;
         let offset = rise * rise * rise / 6.0 - self.way;

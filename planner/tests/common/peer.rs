@@ -28,12 +28,16 @@ impl Peer {
         }
     }
 
-    /// Does the peer's last answer end at the goal? It is content with 1e-8 of whatever the unit is.
-    pub(crate) fn arrives(&self, asked: &Question) -> bool {
+    /// Does the peer's last answer end at the goal, as exactly as ours? The peer is content with 1e-8 of whatever the unit is.
+    pub(crate) fn arrives(&self, asked: &Question, end: f64) -> bool {
         let last = self.trajectory.profiles.last().and_then(|section| section.first());
         let Some(last) = last else { return false };
-        let scale = (asked.goal.position - asked.start.position).abs();
-        (last.p[7] - asked.goal.position).abs() <= 1e-9 * scale
+        let start = asked.start.position;
+        let extent = last.p.iter().fold(0.0f64, |most, p| most.max((p - start).abs()));
+        let rounding = 4.0 * f64::EPSILON * start.abs().max(asked.goal.position.abs());
+        let fastest = last.v.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+        (last.p[7] - asked.goal.position).abs() <= end * extent + rounding
+            && (last.v[7] - asked.goal.velocity).abs() <= end * fastest
     }
 }
 
