@@ -74,10 +74,16 @@ fn compare(criterion: &mut Criterion, name: &str, questions: &[Question]) {
     // The ratio of both, from the best of rounds by turns: other work on the machine slows down some, not all.
     let mut best = [f64::INFINITY; 2];
     for _ in 0..100 {
-        let ours =
-            timed(|| ours.iter().for_each(|transfer| drop(black_box(plan_transfer(black_box(transfer))))));
-        let theirs =
-            timed(|| theirs.iter().for_each(|input| drop(black_box(peer.duration(black_box(input))))));
+        let ours = timed(|| {
+            ours.iter().for_each(|transfer| {
+                black_box(&plan_transfer(black_box(transfer)));
+            })
+        });
+        let theirs = timed(|| {
+            theirs.iter().for_each(|input| {
+                black_box(peer.duration(black_box(input)));
+            })
+        });
         best = [best[0].min(ours), best[1].min(theirs)];
     }
     let [mean, other] = best.map(|seconds| seconds * 1e9 / questions.len() as f64);
@@ -85,7 +91,13 @@ fn compare(criterion: &mut Criterion, name: &str, questions: &[Question]) {
     let mut each: Vec<f64> = ours
         .iter()
         .map(|transfer| {
-            let once = || timed(|| (0..16).for_each(|_| drop(black_box(plan_transfer(black_box(transfer))))));
+            let once = || {
+                timed(|| {
+                    (0..16).for_each(|_| {
+                        black_box(&plan_transfer(black_box(transfer)));
+                    })
+                })
+            };
             (0..20).map(|_| once()).fold(f64::INFINITY, f64::min) * 1e9 / 16.0
         })
         .collect();

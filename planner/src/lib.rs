@@ -66,6 +66,8 @@
 //!    both, the nearest speed that a short path can reach. [`Classification`] names the shape as the papers do.
 //!    [`plan_trapezoid`] is the baseline: constant acceleration, and no limit on the jerk.
 //!    [`plan_polynomial`], [`plan_trigonometric`]: the same question for smoother motions, from rest to rest.
+//!    [`plan_transfer`], [`Transit`]: the fastest motion between any two states, also with accelerations at the ends and from beyond
+//!    the limits, which may overshoot and turn back. [`plan_between`]: the same within [`Limits`].
 //! 4. [`Request`], [`plan()`], [`Plan`], [`Sampler`]: several axes over one time base, read cycle by cycle.
 //! 5. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when. [`Judged`],
 //!    [`Accepted`]: a plan with both, and one that may be executed.
@@ -76,7 +78,7 @@
 //!
 //! - `std` (default): takes square roots in hardware. Without it the crate needs `alloc` alone, and gives the same bits.
 //!
-//! There is no I/O, no clock and no randomness here, and [`plan_move`], [`Move::at`], [`Cursor::at`] and
+//! There is no I/O, no clock and no randomness here, and [`plan_move`], [`plan_transfer`], [`Move::at`], [`Cursor::at`] and
 //! [`Sampler::columns`] take nothing from the heap.
 #![cfg_attr(not(feature = "std"), no_std)]
 

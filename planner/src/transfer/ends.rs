@@ -9,9 +9,9 @@ pub(super) type Phases = [f64; 7];
 const ROUNDED: f64 = 32.0 * f64::EPSILON;
 
 /// Of the terms that add up to a way \[1\]: a way that differs from a motion's by less is that motion's, of which start and goal
-/// are rounded. Beside the fastest change of velocity, and at the end of the lens, the next motion that arrives may take far longer:
+/// are rounded, and each piece of a motion that led there. Beside the fastest change of velocity, and at the end of the lens, the next motion that arrives may take far longer:
 /// there every motion lies that is planned again on its last flank.
-const WAY_ROUNDED: f64 = 64.0 * f64::EPSILON;
+const WAY_ROUNDED: f64 = 256.0 * f64::EPSILON;
 
 /// The ends of a motion in the time unit that makes the jerk limit 1: accelerations are times, velocities their squares.
 #[derive(Clone, Copy, Debug, PartialEq)]

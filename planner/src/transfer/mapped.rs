@@ -31,7 +31,7 @@ const NAMES: Names = Names {
     max_acceleration: "limits.max_acceleration",
 };
 
-/// The fastest motion of one axis from any state to any state within `limits`, cruising at most at the feed rate: as [`plan_transfer`],
+/// The fastest motion of one axis from any state to any state within `limits`, cruising at most at the feed rate: as [`plan_transfer`](crate::plan_transfer),
 /// with speeding up and slowing down told apart.
 ///
 /// Fastest among the motions of which each ramp has one limit, told by the velocities at its ends: *acceleration* where the speed
