@@ -92,6 +92,12 @@ pub enum Why {
         /// The one that the plan has \[hexadecimal\].
         correct: String,
     },
+    /// A lower bound that is zero, positive, or too small to compute with.
+    #[error("is {given}: a lower bound is below zero, by at least {min:e}", min = LEAST_LIMIT)]
+    NotNegative {
+        /// The value.
+        given: f64,
+    },
     /// A position range without inside.
     #[error(
         "the range from {} to {} is empty: exchange min_position and max_position",

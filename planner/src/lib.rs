@@ -89,6 +89,8 @@
 //!    above both, the nearest speed that a short path can reach. [`Classification`] names the shape as the papers do.
 //! 4. The same question for other shapes: [`plan_trapezoid`] is the baseline, constant acceleration and no limit on the
 //!    jerk; [`plan_polynomial`] and [`plan_trigonometric`] are smoother, from rest to rest.
+//!    [`plan_transfer`], [`Transit`]: the fastest motion between any two states, with accelerations at the ends and from
+//!    beyond the limits, which may overshoot and turn back. [`plan_between`]: the same within [`Limits`].
 //! 5. [`Request`], [`plan()`], [`Plan`], [`Sampler`]: several axes over one time base, read cycle by cycle.
 //! 6. [`PvtPlanner`], [`PvtRequest`], [`plan_pvt`]: position, velocity and time together, a command at a time or point
 //!    after point; [`PvtPolicy`]: what to give up where they cannot all be met.
@@ -103,8 +105,8 @@
 //!
 //! - `std` (default): takes square roots in hardware. Without it the crate needs `alloc` alone, and gives the same bits.
 //!
-//! There is no I/O, no clock and no randomness here, and [`plan_move`], [`PvtPlanner::command`], [`Move::at`],
-//! [`Cursor::at`] and [`Sampler::columns`] take nothing from the heap.
+//! There is no I/O, no clock and no randomness here, and [`plan_move`], [`plan_transfer`], [`PvtPlanner::command`],
+//! [`Move::at`], [`Cursor::at`] and [`Sampler::columns`] take nothing from the heap.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;
@@ -133,8 +135,10 @@ mod short_path;
 mod shortest;
 mod solve;
 mod state;
+mod transfer;
 mod trigonometric;
 mod verify;
+mod verify_transfer;
 
 pub use certified::{Accepted, Judged, Rejection};
 pub use classify::{AsymmetricType, Classification, EightType, SixCase};
@@ -160,11 +164,15 @@ pub use short_path::ShortPathPolicy;
 pub use shortest::Shortest;
 pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_stop, plan_trapezoid};
 pub use state::State;
+pub use transfer::{
+    Bounds, BoundsSpec, MAX_TRANSIT_PIECES, Transfer, Transit, plan_between, plan_transfer, plan_velocity,
+};
 pub use trigonometric::plan_trigonometric;
 pub use verify::{
     Certificate, EndCheck, JOIN_TOLERANCE, JoinCheck, LIMIT_TOLERANCE, LimitCheck, Violation, certify,
     certify_against, violations,
 };
+pub use verify_transfer::transfer_violations;
 
 /// Names the bits that a plan samples to: replicas with the same number give the same setpoints for the same plan.
 ///

@@ -187,7 +187,7 @@ pub(crate) fn not_finite(given: f64) -> Option<Why> {
 }
 
 /// What is wrong with a number that must be finite and positive; nothing if it is.
-fn not_positive(given: f64) -> Option<Why> {
+pub(crate) fn not_positive(given: f64) -> Option<Why> {
     not_finite(given).or((given < LEAST_LIMIT).then_some(Why::NotPositive { given }))
 }
 

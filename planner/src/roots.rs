@@ -2,7 +2,7 @@
 
 use arrayvec::ArrayVec;
 
-use crate::float::sqrt;
+use crate::float::{largest, sqrt};
 
 /// The root of `a·x + b`, if `a ≠ 0`.
 pub(crate) fn linear(a: f64, b: f64) -> Option<f64> {
@@ -90,4 +90,32 @@ pub(crate) fn sign_change(from: f64, to: f64, value_and_slope: impl Fn(f64) -> (
         x = if steps < NEWTON_STEPS && aimed > low && aimed < high { aimed } else { 0.5 * (low + high) };
     }
     Some(0.5 * (low + high))
+}
+
+/// The root in `low..=high` of a function that is convex there and rises through it, by Newton's method from `start`.
+///
+/// `value_and_slope` gives both at `x`. A tangent of a convex function lies below it, so that a step from the left leads beyond
+/// the root, and from the right not beyond it: the steps shrink, until all that is left of them is the function's rounding, where one
+/// does not. Where the function does not change its sign, the end that is nearer to it is returned.
+pub(crate) fn convex_root(
+    start: f64,
+    low: f64,
+    high: f64,
+    value_and_slope: impl Fn(f64) -> (f64, f64),
+) -> f64 {
+    let mut x = start;
+    let mut last = f64::INFINITY;
+    loop {
+        let (value, slope) = value_and_slope(x);
+        let aimed = if slope > 0.0 { x - value / slope } else { high };
+        let aimed = if aimed > high { high } else { largest(low, aimed) };
+        let step = (aimed - x).abs();
+        // Also false for NaN, so that the loop ends whatever was given.
+        let shrinks = step < last && step > 0.0;
+        if !shrinks {
+            return x;
+        }
+        last = step;
+        x = aimed;
+    }
 }

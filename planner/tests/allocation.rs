@@ -8,9 +8,9 @@ use std::cell::Cell;
 use std::hint::black_box;
 
 use planner::{
-    AxisKind, AxisMoveSpec, Cursor, Family, LimitsSpec, Problem, PvtPlanner, PvtPolicy, PvtTarget, Request,
-    RequestSpec, ShortPathPolicy, State, Synchronization, plan, plan_move, plan_polynomial,
-    plan_trigonometric,
+    AxisKind, AxisMoveSpec, Bounds, Cursor, Family, Limits, LimitsSpec, Problem, PvtPlanner, PvtPolicy,
+    PvtTarget, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Transfer, plan, plan_between,
+    plan_move, plan_polynomial, plan_stop, plan_transfer, plan_trigonometric, plan_velocity,
 };
 
 thread_local! {
@@ -83,6 +83,27 @@ fn a_plan_allocates_nothing() {
             });
             assert_eq!(count, 0, "{policy:?} from {from} to {to} over {length}");
         }
+    }
+}
+
+/// From any state to any state, from inside and from beyond the bounds; a stop; and limits that tell speeding up from slowing down.
+#[test]
+fn a_transfer_allocates_nothing() {
+    let bounds = Bounds::symmetric(0.5, 2.0, 20.0).unwrap();
+    let limits: Limits = LimitsSpec { max_deceleration: Some(1.0), ..limits() }.try_into().unwrap();
+    for (velocity, acceleration, to) in
+        [(0.0, 0.0, 1.0), (0.3, -0.5, 0.01), (0.9, 0.5, -1.0), (-0.2, 3.0, 0.0)]
+    {
+        let start = State { position: 0.0, velocity, acceleration };
+        let transfer = Transfer::new(start, State::at_rest(to), bounds).unwrap();
+        let count = allocations(|| {
+            let transit = black_box(plan_transfer(black_box(&transfer))).unwrap();
+            black_box((transit.at(0.1), transit.segments(), transit.duration()));
+            black_box(plan_velocity(start, 0.1, bounds)).unwrap();
+            black_box(plan_between(start, State::at_rest(to), &limits)).unwrap();
+            black_box(plan_stop(start, &limits)).unwrap();
+        });
+        assert_eq!(count, 0, "from {velocity}, {acceleration} to {to}");
     }
 }
 

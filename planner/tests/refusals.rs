@@ -5,7 +5,7 @@
 use planner::{
     AxisKind, AxisMoveSpec, CycleTime, Family, Field, InvalidFields, Limits, LimitsSpec, Method, Plan,
     Problem, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Why, plan, plan_move,
-    plan_polynomial, plan_stop, plan_trigonometric,
+    plan_polynomial, plan_trigonometric,
 };
 
 fn limits() -> LimitsSpec {
@@ -301,11 +301,6 @@ fn what_a_later_version_will_do() {
             "goal.velocity: short_path_policy REVERSE on a path that is too short is not implemented: choose REJECT, \
            NEAREST_VELOCITY or MATCH_START_VELOCITY",
         ],
-    );
-    let accelerating = State { position: 0.0, velocity: 0.5, acceleration: 0.5 };
-    check(
-        plan_stop(accelerating, &limits().try_into().unwrap()),
-        &["a stop while accelerating is not implemented: stop from a constant speed"],
     );
 }
 

@@ -19,7 +19,7 @@ use arrayvec::ArrayVec;
 
 use crate::classify::{AsymmetricType, Classification, EightType, SixCase};
 use crate::error::{Field, InvalidFields, Why};
-use crate::{Limits, Problem, Quantity, ShortPathPolicy, State};
+use crate::{Limits, Problem, Quantity, ShortPathPolicy, State, transfer};
 use lane::Lane;
 use ramp::Ramp;
 use s_curve::Shape;
@@ -95,15 +95,14 @@ pub(crate) fn feed_rate_above_limit(limits: &Limits, direction: f64) -> Option<A
     Some(Adjustment { quantity: Quantity::Velocity, asked, planned, reason })
 }
 
-/// The fastest stop from a constant speed, within `limits`.
+/// The fastest stop, within `limits`: from a constant speed one ramp; from any other state at most five pieces, the first of which lead an
+/// acceleration or a velocity beyond the limits back.
 ///
 /// # Errors
-/// [`Why::PositionLimit`] where it leaves the position range; [`Why::NotImplemented`] from an acceleration.
+/// [`Why::PositionLimit`] where it leaves the position range; a number of `from` that is not finite.
 pub fn plan_stop(from: State, limits: &Limits) -> Result<Move, InvalidFields> {
     if from.acceleration != 0.0 {
-        let what = "a stop while accelerating";
-        let instead = "stop from a constant speed";
-        return Err(InvalidFields::one(Field::default(), Why::NotImplemented { what, instead }));
+        return stop_from_any_state(from, limits);
     }
     let direction = if from.velocity < 0.0 { -1.0 } else { 1.0 };
     let speed = from.velocity.abs();
@@ -116,6 +115,19 @@ pub fn plan_stop(from: State, limits: &Limits) -> Result<Move, InvalidFields> {
     stop.classification = Classification::of_speed(speed);
     let shape = Shape::one_ramp(EightType::Type8C, Ramp::default(), down, speed, 0.0);
     pieces::lay(&mut stop.pieces, &shape, from, reached, direction, [jerk; 2]);
+    Ok(stop)
+}
+
+fn stop_from_any_state(from: State, limits: &Limits) -> Result<Move, InvalidFields> {
+    let transit = transfer::stop(from, limits)?;
+    let mut stop = Move {
+        pieces: ArrayVec::new(),
+        pulses: Pulses::Rectangles,
+        reached: transit.end(),
+        adjustments: ArrayVec::new(),
+        classification: Classification::of_speed(from.velocity.abs()),
+    };
+    stop.pieces.extend(transit.pieces().iter().copied());
     Ok(stop)
 }
 

@@ -6,6 +6,8 @@
 
 pub(crate) mod peer;
 pub(crate) mod record;
+pub(crate) mod states;
+pub(crate) mod transit;
 
 use planner::{Limits, LimitsSpec, Problem, ShortPathPolicy, State};
 use proptest::prelude::*;

@@ -1,10 +1,11 @@
 //! rsruckig, the peer: a pure Rust port of Ruckig (Berscheid and Kröger, 2021), asked the same questions.
 
-use planner::{LimitsSpec, Problem, ShortPathPolicy, State};
+use planner::{BoundsSpec, LimitsSpec, Problem, ShortPathPolicy, State};
 use rsruckig::prelude::{
     DataArrayOrVec, InputParameter, Ruckig, RuckigResult, Synchronization, ThrowErrorHandler, Trajectory,
 };
 
+use super::states::Question;
 use super::{Random, ramp_length};
 
 /// One axis, with nothing asked that would cost the peer time.
@@ -26,6 +27,18 @@ impl Peer {
             _ => None,
         }
     }
+
+    /// Does the peer's last answer end at the goal, as exactly as ours? The peer is content with 1e-8 of whatever the unit is.
+    pub(crate) fn arrives(&self, asked: &Question, end: f64) -> bool {
+        let last = self.trajectory.profiles.last().and_then(|section| section.first());
+        let Some(last) = last else { return false };
+        let start = asked.start.position;
+        let extent = last.p.iter().fold(0.0f64, |most, p| most.max((p - start).abs()));
+        let rounding = 4.0 * f64::EPSILON * start.abs().max(asked.goal.position.abs());
+        let fastest = last.v.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+        (last.p[7] - asked.goal.position).abs() <= end * extent + rounding
+            && (last.v[7] - asked.goal.velocity).abs() <= end * fastest
+    }
 }
 
 pub(crate) fn input(problem: &Problem) -> InputParameter<1> {
@@ -45,6 +58,26 @@ pub(crate) fn input(problem: &Problem) -> InputParameter<1> {
     input.max_acceleration = one(forward);
     input.min_acceleration = Some(one(-backward));
     input.max_jerk = one(limits.jerk());
+    input
+}
+
+/// As the peer is asked for the motion between two states.
+pub(crate) fn question(asked: &Question) -> InputParameter<1> {
+    let mut input = InputParameter::new(None);
+    let BoundsSpec { min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk } =
+        asked.bounds;
+    input.synchronization = Synchronization::None;
+    input.current_position = one(asked.start.position);
+    input.current_velocity = one(asked.start.velocity);
+    input.current_acceleration = one(asked.start.acceleration);
+    input.target_position = one(asked.goal.position);
+    input.target_velocity = one(asked.goal.velocity);
+    input.target_acceleration = one(asked.goal.acceleration);
+    input.max_velocity = one(max_velocity);
+    input.min_velocity = Some(one(min_velocity));
+    input.max_acceleration = one(max_acceleration);
+    input.min_acceleration = Some(one(min_acceleration));
+    input.max_jerk = one(max_jerk);
     input
 }
 

@@ -1,0 +1,155 @@
+//! Limits of speeding up and slowing down, which bound the acceleration by the sign of the velocity, as bounds with signs.
+//!
+//! The limit of a ramp is told by the velocities at its ends: speeding up, slowing down, or the lower of both where it crosses zero. So
+//! for each direction of the travel, and each sign of the velocity that is held or touched on the way, the bounds have constant signs:
+//!
+//! ```text
+//! velocities of a motion      raising the velocity     lowering it
+//! forward                     speeding up: A           slowing down: D
+//! backward                    slowing down: D          speeding up: A
+//! through zero                min(A, D) on that ramp, which is the one or the other, or both are
+//! ```
+
+use super::bounds::{Bounds, BoundsSpec};
+use super::transit::Transit;
+use super::{Names, Transfer, note_goal, plan_velocity, transit_of};
+use crate::error::{Field, InvalidFields, Why};
+use crate::float::{largest, least};
+use crate::problem::note_not_finite;
+use crate::roots::quadratic;
+use crate::{Law, Limits, Segment, State};
+
+/// Of the hardest and of the fastest \[1\]: what an acceleration may be beyond its limit, and a velocity be beside zero, since they
+/// were computed.
+const ROUNDED: f64 = 1e-12;
+
+/// The names of signed bounds in [`Limits`].
+const NAMES: Names = Names {
+    min_velocity: "limits.max_velocity_reverse",
+    max_velocity: "limits.max_velocity",
+    min_acceleration: "limits.max_deceleration",
+    max_acceleration: "limits.max_acceleration",
+};
+
+/// The fastest motion of one axis from any state to any state within `limits`, cruising at most at the feed rate: as [`plan_transfer`](crate::plan_transfer),
+/// with speeding up and slowing down told apart.
+///
+/// Fastest among the motions of which each ramp has one limit, told by the velocities at its ends: *acceleration* where the speed
+/// grows, *deceleration* where it shrinks, the lower of both where it crosses zero.
+///
+/// # Errors
+/// What is wrong with `start` and `goal`, as [`Transfer::new`] says; [`Why::PositionLimit`] where the motion leaves the position range;
+/// [`Why::GoalOutsideLimits`] where the goal lies behind and going back is forbidden.
+pub fn plan_between(start: State, goal: State, limits: &Limits) -> Result<Transit, InvalidFields> {
+    let mut invalid = InvalidFields::default();
+    note_not_finite(&mut invalid, &start, &goal);
+    if invalid.is_empty() {
+        let hardest = largest(limits.acceleration(), limits.deceleration());
+        note_goal(&mut invalid, &goal, &bounds(limits, hardest, hardest), &NAMES);
+    }
+    invalid.into_result(())?;
+    let planned = shortest(limits, |bounds| transit_of(&Transfer::new(start, goal, bounds)?, &NAMES))?;
+    within_range(&planned, limits)?;
+    Ok(planned)
+}
+
+/// The fastest stop from any state within `limits`.
+///
+/// # Errors
+/// What is wrong with `from`; [`Why::PositionLimit`] where it leaves the position range.
+pub(crate) fn stop(from: State, limits: &Limits) -> Result<Transit, InvalidFields> {
+    let planned = shortest(limits, |bounds| plan_velocity(from, 0.0, bounds))?;
+    within_range(&planned, limits)?;
+    Ok(planned)
+}
+
+/// The shortest of the motions under the signed bounds that limits can mean, among those that keep the limits.
+fn shortest(
+    limits: &Limits,
+    plan: impl Fn(Bounds) -> Result<Transit, InvalidFields>,
+) -> Result<Transit, InvalidFields> {
+    let (up, down) = (limits.acceleration(), limits.deceleration());
+    if up.to_bits() == down.to_bits() {
+        return plan(bounds(limits, up, down));
+    }
+    let lower = least(up, down);
+    // The last of them keeps the limits whatever it does.
+    let mut best = plan(bounds(limits, lower, lower));
+    for candidate in [(up, down), (down, up)] {
+        let Ok(planned) = plan(bounds(limits, candidate.0, candidate.1)) else { continue };
+        let is_shorter = best.as_ref().map_or(true, |best| planned.duration() < best.duration());
+        if is_shorter && keeps(&planned, limits) {
+            best = Ok(planned);
+        }
+    }
+    best
+}
+
+fn bounds(limits: &Limits, up: f64, down: f64) -> Bounds {
+    Bounds::of(BoundsSpec {
+        min_velocity: 0.0 - limits.cruise_towards(-1.0),
+        max_velocity: limits.cruise_towards(1.0),
+        min_acceleration: -down,
+        max_acceleration: up,
+        max_jerk: limits.jerk(),
+    })
+}
+
+/// Does the acceleration keep the limit of what it does to the speed? An acceleration at the start that is beyond it may be on its way
+/// back. A velocity that is a rounded zero goes in no direction.
+fn keeps(planned: &Transit, limits: &Limits) -> bool {
+    let segments = planned.segments();
+    let begins = segments.iter().map(|segment| segment.start.velocity.abs());
+    let standstill = ROUNDED * begins.fold(planned.end().velocity.abs(), largest);
+    let begins = segments.iter().map(|segment| segment.start.acceleration.abs());
+    let rounding = ROUNDED * begins.fold(planned.end().acceleration.abs(), largest);
+    segments.iter().enumerate().all(|(index, segment)| {
+        let mut times = segment.turning_points();
+        times.extend(standstills(segment).into_iter().filter(|t| *t > 0.0 && *t < segment.duration));
+        times.sort_unstable_by(f64::total_cmp);
+        times.windows(2).all(|span| {
+            let (from, to) = (segment.at(span[0]).state, segment.at(span[1]).state);
+            let velocity = segment.at(0.5 * (span[0] + span[1])).state.velocity;
+            if velocity.abs() <= standstill {
+                return true;
+            }
+            let limit = |acceleration: f64| {
+                if acceleration * velocity >= 0.0 { limits.acceleration() } else { limits.deceleration() }
+            };
+            let kept = |acceleration: f64| acceleration.abs() <= limit(acceleration) + rounding;
+            let comes_back = index == 0 && to.acceleration.abs() < from.acceleration.abs();
+            (kept(from.acceleration) && kept(to.acceleration)) || comes_back
+        })
+    })
+}
+
+/// Where the velocity of a piece is zero.
+fn standstills(segment: &Segment) -> arrayvec::ArrayVec<f64, 2> {
+    let Law::ConstantJerk(jerk) = segment.law else { return arrayvec::ArrayVec::new() };
+    quadratic(0.5 * jerk, segment.start.acceleration, segment.start.velocity)
+}
+
+/// Does the motion stay inside the position range?
+fn within_range(planned: &Transit, limits: &Limits) -> Result<(), InvalidFields> {
+    let mut begin = 0.0;
+    for segment in planned.segments() {
+        for t in segment.turning_points() {
+            let reached = segment.at(t).state.position;
+            let rounding = 8.0 * f64::EPSILON * reached.abs();
+            let time = begin + t;
+            let (allowed, limit) = if reached > limits.max_position() + rounding {
+                (limits.max_position(), "limits.max_position")
+            } else if reached < limits.min_position() - rounding {
+                (limits.min_position(), "limits.min_position")
+            } else {
+                continue;
+            };
+            return Err(InvalidFields::one(
+                Field::default(),
+                Why::PositionLimit { reached, time, allowed, limit },
+            ));
+        }
+        begin += segment.duration;
+    }
+    Ok(())
+}

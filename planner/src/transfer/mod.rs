@@ -1,0 +1,280 @@
+//! The fastest motion between any two states, one axis.
+//!
+//! ```text
+//!  way │                 ╱ farthest in this time (the upper family)      All motions between two given velocities and
+//!      │               ╱                                                 accelerations, within limits, that take as long,
+//!      │            ╱                                                    go the ways of one interval: a motion between two
+//!      │──────── ╱●─────────── the way to go                             of them is one too. So the fastest that goes a way
+//!      │     ╱╱                                                          is a member of one of two families of one
+//!      │   ●  fastest change of velocity                                 parameter, and is found by one equation, of which
+//!      │     ╲╲__                                                        the bracket is known.
+//!      │         ╲ nearest in this time (the lower family)
+//!      └────────────────────── duration
+//! ```
+//!
+//! `notes/0007-any-state.md` has the derivation.
+
+mod bounds;
+mod ends;
+mod fastest;
+mod lead_in;
+mod lens;
+mod mapped;
+mod transit;
+mod upper;
+
+pub use bounds::{Bounds, BoundsSpec};
+pub use mapped::plan_between;
+pub(crate) use mapped::stop;
+pub use transit::{MAX_TRANSIT_PIECES, Transit};
+
+use crate::State;
+use crate::error::{Field, InvalidFields, Why};
+use crate::problem::note_not_finite;
+use ends::{Ends, Moving};
+use fastest::{Change, fastest};
+use lead_in::{Confines, LeadIn};
+
+/// Of the velocities that are compared \[1\]: a goal may be beyond a limit by this much, since it was computed.
+const GOAL_SLACK: f64 = 16.0 * f64::EPSILON;
+
+/// A question about one axis: from any state to any state within bounds, checked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transfer {
+    start: State,
+    goal: State,
+    bounds: Bounds,
+}
+
+impl Transfer {
+    /// Asks for the fastest motion from `start` to `goal`.
+    ///
+    /// The start may be anywhere, beyond the bounds too: it is led back first. The goal is inside them, and so are the velocities
+    /// from which its acceleration can be reached.
+    ///
+    /// # Errors
+    /// Every number that is not finite, and of the goal those that are not within `bounds`.
+    pub fn new(start: State, goal: State, bounds: Bounds) -> Result<Self, InvalidFields> {
+        let (start, goal) = (start.with_positive_zeros(), goal.with_positive_zeros());
+        let mut invalid = InvalidFields::default();
+        note_not_finite(&mut invalid, &start, &goal);
+        if invalid.is_empty() {
+            note_goal(&mut invalid, &goal, &bounds, &NAMES);
+        }
+        invalid.into_result(Self { start, goal, bounds })
+    }
+
+    /// Where the motion begins.
+    #[must_use]
+    pub fn start(&self) -> State {
+        self.start
+    }
+
+    /// Where it ends.
+    #[must_use]
+    pub fn goal(&self) -> State {
+        self.goal
+    }
+
+    /// What the axis may do on the way.
+    #[must_use]
+    pub fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+}
+
+/// What bounds are called where they were given.
+struct Names {
+    min_velocity: &'static str,
+    max_velocity: &'static str,
+    min_acceleration: &'static str,
+    max_acceleration: &'static str,
+}
+
+const NAMES: Names = Names {
+    min_velocity: "bounds.min_velocity",
+    max_velocity: "bounds.max_velocity",
+    min_acceleration: "bounds.min_acceleration",
+    max_acceleration: "bounds.max_acceleration",
+};
+
+fn note_goal(invalid: &mut InvalidFields, goal: &State, bounds: &Bounds, names: &Names) {
+    let BoundsSpec { min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk } =
+        *bounds.spec();
+    let State { velocity, acceleration, .. } = *goal;
+    let refuse = |given, allowed, limit| Some(Why::GoalOutsideLimits { given, allowed, limit });
+    let mut inner = InvalidFields::default();
+    if velocity > max_velocity {
+        inner.note("velocity", refuse(velocity, max_velocity, names.max_velocity));
+    } else if velocity < min_velocity {
+        inner.note("velocity", refuse(velocity, min_velocity, names.min_velocity));
+    }
+    if acceleration > max_acceleration {
+        inner.note("acceleration", refuse(acceleration, max_acceleration, names.max_acceleration));
+    } else if acceleration < min_acceleration {
+        inner.note("acceleration", refuse(acceleration, min_acceleration, names.min_acceleration));
+    }
+    if inner.is_empty() {
+        // The velocity from which full jerk alone leads to the goal: whatever comes before, it was passed.
+        let square = 0.5 * acceleration * acceleration / max_jerk;
+        let slack = GOAL_SLACK * (velocity.abs() + square);
+        let nearest = |room: f64| crate::float::sqrt(2.0 * max_jerk * room);
+        if acceleration < 0.0 && velocity + square > max_velocity + slack {
+            let allowed = -nearest(max_velocity - velocity) + 0.0;
+            inner.note("acceleration", refuse(acceleration, allowed, names.max_velocity));
+        } else if acceleration > 0.0 && velocity - square < min_velocity - slack {
+            let allowed = nearest(velocity - min_velocity);
+            inner.note("acceleration", refuse(acceleration, allowed, names.min_velocity));
+        }
+    }
+    invalid.extend_within(&Field::named("goal"), inner);
+}
+
+/// The fastest motion of one axis from any state to any state.
+///
+/// Fastest among all motions whose velocity, acceleration and jerk stay within the bounds, wherever that takes the axis: it
+/// overshoots and turns back where that is faster. A start beyond the bounds, or one whose acceleration leads beyond them whatever
+/// is done, is led back as fast as can be without coming out on the other side of the limit: the acceleration first, at full
+/// jerk; then the velocity, from above without undershoot. Going on slower than the limit is the fastest motion's own choice.
+///
+/// ```
+/// # use planner::{plan_transfer, Bounds, State, Transfer};
+/// let bounds = Bounds::symmetric(5.0, 1.0, 10.0)?;
+/// let (start, goal) = (State::at_rest(0.3), State::at_rest(0.32));
+/// let transit = plan_transfer(&Transfer::new(start, goal, bounds)?)?;
+/// assert!((transit.duration() - 0.4).abs() < 1e-15); // d = 2a³/j²: between two shapes
+/// # Ok::<(), planner::InvalidFields>(())
+/// ```
+///
+/// # Errors
+/// [`Why::GoalOutsideLimits`] where the goal lies behind and the bounds forbid to go back.
+pub fn plan_transfer(transfer: &Transfer) -> Result<Transit, InvalidFields> {
+    transit_of(transfer, &NAMES)
+}
+
+fn transit_of(transfer: &Transfer, names: &Names) -> Result<Transit, InvalidFields> {
+    let scaled = Scaled::of(transfer);
+    let Scaled { confines, way, slack, unit, .. } = scaled;
+    let lead = LeadIn::of(scaled.start, confines);
+    match fastest(scaled.ends_after(&lead), confines, way - lead.way, slack) {
+        Some(shape) => Ok(Transit::lay(transfer, &lead, &shape, unit)),
+        None => Err(behind(transfer, names)),
+    }
+}
+
+/// The goal lies behind: what can be reached is where the axis can come to a stop.
+#[cold]
+fn behind(transfer: &Transfer, names: &Names) -> InvalidFields {
+    let Transfer { start, goal, bounds } = *transfer;
+    let allowed = plan_velocity(start, 0.0, bounds).map_or(start.position, |stop| stop.end().position);
+    let why = Why::GoalOutsideLimits { given: goal.position, allowed, limit: names.min_velocity };
+    InvalidFields::one(Field::named("goal.position"), why)
+}
+
+/// The fastest way to a velocity without acceleration, wherever it leads: the end of the motion says. A start beyond the bounds is
+/// led back as by [`plan_transfer`].
+///
+/// ```
+/// # use planner::{plan_velocity, Bounds, State};
+/// let bounds = Bounds::symmetric(5.0, 1.0, 1.0)?;
+/// let braking = State { position: 0.0, velocity: 2.0, acceleration: -1.0 };
+/// let stop = plan_velocity(braking, 0.0, bounds)?;
+/// assert_eq!(stop.duration(), 2.5); // −1 for 1.5 s, and back to zero in 1 s
+/// # Ok::<(), planner::InvalidFields>(())
+/// ```
+///
+/// # Errors
+/// Every number that is not finite, and a velocity that is not within `bounds`.
+pub fn plan_velocity(start: State, velocity: f64, bounds: Bounds) -> Result<Transit, InvalidFields> {
+    let goal = State { velocity, ..State::at_rest(start.position) };
+    let mut transfer = Transfer::new(start, goal, bounds)?;
+    let scaled = Scaled::of(&transfer);
+    let Scaled { confines, unit, .. } = scaled;
+    let lead = LeadIn::of(scaled.start, confines);
+    let change = Change::of(scaled.ends_after(&lead), confines);
+    let length = bounds.spec().max_jerk * unit * unit * unit;
+    transfer.goal.position += (lead.way + change.goes) * length;
+    Ok(Transit::lay(&transfer, &lead, &change.shape, unit))
+}
+
+/// A question in units in which the jerk limit is 1 and the motion about as large.
+///
+/// Lengths are divided by the jerk limit, once: then all are powers of a time. That of the motion is about the largest that its
+/// ends call for; it is a power of two, which costs no bit, so that the answer does not depend on the unit of anything.
+#[derive(Clone, Copy, Debug)]
+struct Scaled {
+    start: Moving,
+    goal: Moving,
+    /// From one to the other, before either was rounded to the new unit.
+    change: Moving,
+    confines: Confines,
+    way: f64,
+    /// What the way is rounded to.
+    slack: f64,
+    /// The time unit \[s\].
+    unit: f64,
+}
+
+impl Scaled {
+    fn of(transfer: &Transfer) -> Self {
+        let Transfer { start, goal, bounds } = transfer;
+        let BoundsSpec { min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk } =
+            *bounds.spec();
+        let of_length = 1.0 / max_jerk;
+        let distance = goal.position - start.position;
+        let exponent = exponent(distance * of_length)
+            .div_euclid(3)
+            .max(exponent(start.velocity * of_length).div_euclid(2))
+            .max(exponent(goal.velocity * of_length).div_euclid(2))
+            .max(exponent(start.acceleration * of_length))
+            .max(exponent(goal.acceleration * of_length))
+            .clamp(-GREATEST_EXPONENT, GREATEST_EXPONENT);
+        let per_time = power_of_two(-exponent);
+        let acceleration = of_length * per_time;
+        let velocity = acceleration * per_time;
+        let length = velocity * per_time;
+        let moving = |state: &State| Moving {
+            velocity: state.velocity * velocity,
+            acceleration: state.acceleration * acceleration,
+        };
+        Self {
+            start: moving(start),
+            goal: moving(goal),
+            change: Moving {
+                velocity: (goal.velocity - start.velocity) * velocity,
+                acceleration: (goal.acceleration - start.acceleration) * acceleration,
+            },
+            confines: Confines {
+                bottom: min_velocity * velocity,
+                top: max_velocity * velocity,
+                up: max_acceleration * acceleration,
+                down: -min_acceleration * acceleration,
+            },
+            way: distance * length,
+            slack: POSITION_SLACK * start.position.abs().max(goal.position.abs()) * length,
+            unit: power_of_two(exponent),
+        }
+    }
+
+    fn ends_after(&self, lead: &LeadIn) -> Ends {
+        let Self { goal, change, .. } = *self;
+        let change = if lead.pieces.is_empty() { change } else { lead.reached.to(goal) };
+        Ends::new(lead.reached, goal, change)
+    }
+}
+
+/// Of the positions \[1\]: what their distance is rounded to; the same target again, but for a rounding, is the same target.
+const POSITION_SLACK: f64 = 8.0 * f64::EPSILON;
+
+/// Of the time unit: its cube is a number in either direction.
+const GREATEST_EXPONENT: i32 = 300;
+
+/// The power of two of a number; that of zero is far below every other.
+fn exponent(value: f64) -> i32 {
+    ((value.to_bits() >> 52) & 0x7ff) as i32 - 1023
+}
+
+/// 2 to the power of `exponent`, of ±[`GREATEST_EXPONENT`] at most.
+fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((exponent + 1023) as u64) << 52)
+}

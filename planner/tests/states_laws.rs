@@ -1,0 +1,205 @@
+//! What holds for every motion between two states. More of them:
+//! `PROPTEST_CASES=1000000 cargo test --release -p portamento-planner --test states_laws`.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test may fail by panicking")]
+
+mod common;
+
+use common::Random;
+use common::states::{Kind, Question, question};
+use planner::{BoundsSpec, State, Transfer, Transit, plan_transfer, transfer_violations};
+use proptest::prelude::*;
+
+/// Of a duration [1]: what two ways to the same duration may differ by.
+const DURATION: f64 = 1e-9;
+/// Of a duration [1]: what the rest of a motion may differ by, since a last flank hangs on the cube root of what is left.
+const REST: f64 = 1e-5;
+/// Of the scale of a motion [1]: how far its pieces may be apart.
+const END: f64 = 1e-12;
+
+fn settings() -> ProptestConfig {
+    let given = ProptestConfig::default();
+    ProptestConfig { cases: given.cases.max(4096), failure_persistence: None, ..given }
+}
+
+/// A question of any kind: what hurts is in how they are drawn, so there is nothing to shrink but the seed.
+fn any_question() -> impl Strategy<Value = Question> {
+    (any::<u64>(), prop::sample::select(Kind::ALL.to_vec()))
+        .prop_map(|(seed, kind)| question(&mut Random(seed), kind))
+}
+
+/// The same from position zero, so that distances are not rounded.
+fn from_zero(asked: Question) -> Question {
+    let goal = State { position: asked.goal.position - asked.start.position, ..asked.goal };
+    Question { start: State { position: 0.0, ..asked.start }, goal, ..asked }
+}
+
+/// As [`any_question`], from inside the bounds.
+fn inside() -> impl Strategy<Value = Question> {
+    any_question().prop_map(from_zero).prop_filter("begins inside", is_inside)
+}
+
+/// A question that is not about the last flank of a motion: there a duration hangs on the root of a rounding.
+fn well_posed() -> impl Strategy<Value = Question> {
+    let kinds: Vec<Kind> = Kind::ALL.into_iter().filter(|&kind| kind != Kind::Underway).collect();
+    (any::<u64>(), prop::sample::select(kinds))
+        .prop_map(|(seed, kind)| from_zero(question(&mut Random(seed), kind)))
+}
+
+fn is_inside(asked: &Question) -> bool {
+    let back = asked.reversed();
+    Transfer::new(back.start, back.goal, back.bounds()).is_ok()
+}
+
+fn planned(asked: &Question) -> Transit {
+    plan_transfer(&asked.transfer()).unwrap()
+}
+
+/// The same duration, but for its roundings.
+#[track_caller]
+fn same(asked: &Question, what: &str, ours: f64, other: f64) {
+    let off = (ours - other).abs();
+    assert!(off <= DURATION * ours.max(other), "{what}: {ours} and {other}: {asked:?}");
+}
+
+fn check_legal(asked: &Question) {
+    let transit = planned(asked);
+    let profile = transit.to_profile();
+    assert_eq!(transfer_violations(&profile, &asked.bounds(), asked.goal), [], "{asked:?}: {transit:?}");
+    let apart = common::transit::residual(&transit, asked.bounds.max_jerk);
+    assert!(apart <= END, "{apart:e} apart: {asked:?}: {transit:?}");
+    assert_eq!(transit.end(), profile.end());
+    assert_eq!(transit.start(), asked.start);
+    for part in [-0.1, 0.0, 0.1, 0.5, 0.9, 1.0, 1.1] {
+        let t = part * transit.duration();
+        assert_eq!(transit.at(t).words().map(f64::to_bits), profile.at(t).words().map(f64::to_bits));
+    }
+}
+
+fn check_mirrored(asked: &Question) {
+    if let Some(mirrored) = asked.mirrored() {
+        same(asked, "mirrored", planned(asked).duration(), planned(&mirrored).duration());
+    }
+}
+
+fn check_reversed(asked: &Question) {
+    same(asked, "reversed", planned(asked).duration(), planned(&asked.reversed()).duration());
+}
+
+fn check_scaled(asked: &Question, length: f64, time: f64) {
+    same(asked, "scaled", planned(asked).duration(), planned(&asked.scaled(length, time)).duration() / time);
+}
+
+/// In units that are powers of two nothing is rounded otherwise.
+fn check_scaled_exactly(asked: &Question, length: i32, time: i32) {
+    let (length, time) = (2f64.powi(length), 2f64.powi(time));
+    let (ours, scaled) = (planned(asked), planned(&asked.scaled(length, time)));
+    let durations = |transit: &Transit, time: f64| -> Vec<f64> {
+        transit.segments().iter().map(|segment| segment.duration * time).collect()
+    };
+    assert_eq!(durations(&ours, time), durations(&scaled, 1.0), "{asked:?}");
+}
+
+/// The rest of the fastest motion is the fastest motion from there (Bellman); or from where that is but for the rounding of the
+/// whole: where the goal is passed at speed, on one side of it the next chance may come far later. Where it is passed under
+/// acceleration, the last flank has no neighbours at all, and a law about it would be one about roundings.
+fn check_rest(asked: &Question, part: f64) {
+    let whole = planned(asked);
+    let (total, t) = (whole.duration(), part * whole.duration());
+    let last_flank = whole.segments().last().map_or(0.0, |last| last.duration);
+    if asked.goal.acceleration != 0.0 && t > total - last_flank {
+        return;
+    }
+    let turns = || {
+        let turns = whole.segments().into_iter();
+        turns.flat_map(|segment| segment.turning_points().into_iter().map(move |t| segment.at(t).state))
+    };
+    let farthest = END * turns().map(|state| state.position.abs()).fold(0.0, f64::max);
+    let fastest = END * turns().map(|state| state.velocity.abs()).fold(0.0, f64::max);
+    let at = whole.at(t).state;
+    let off = |position: f64, velocity: f64| {
+        let start = State { position: at.position + position, velocity: at.velocity + velocity, ..at };
+        (t + planned(&Question { start, ..*asked }).duration() - total).abs()
+    };
+    let best = off(0.0, 0.0);
+    let best = if best <= REST * total {
+        best
+    } else {
+        let parts = || [0.0, 1e-3, 1e-2, 0.1, 1.0].into_iter().flat_map(|part| [part, -part]);
+        let all = parts().flat_map(|position| parts().map(move |velocity| (position, velocity)));
+        all.map(|(position, velocity)| off(position * farthest, velocity * fastest)).fold(best, f64::min)
+    };
+    assert!(best <= REST * total, "off by {best} s after {t} s of {total}: {asked:?}");
+}
+
+/// Room above a limit is not held against the motion.
+fn check_slack(asked: &Question, which: usize, factor: f64) {
+    let mut bounds = asked.bounds;
+    let BoundsSpec { min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk } = &mut bounds;
+    *[min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk][which] *= factor;
+    let (ours, freer) = (planned(asked).duration(), planned(&Question { bounds, ..*asked }).duration());
+    assert!(freer <= ours * (1.0 + DURATION), "{freer} instead of {ours} with {bounds:?}: {asked:?}");
+}
+
+/// Towards rest a little farther takes a little longer: there the duration does not jump.
+fn check_continuous(asked: &Question, part: f64) {
+    let goal = State::at_rest(asked.goal.position);
+    let asked = Question { goal, ..*asked };
+    let ours = planned(&asked);
+    let far = (goal.position - asked.start.position).abs();
+    let farther = State::at_rest(goal.position + 1e-9 * far * part);
+    let other = planned(&Question { goal: farther, ..asked }).duration();
+    // The cube root of what is little is not.
+    let BoundsSpec { min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk } =
+        asked.bounds;
+    let jerked = 4.0 * (1e-9 * far / max_jerk).cbrt();
+    let cruised = 1e-9 * far / max_velocity.min(-min_velocity);
+    let held = 4.0 * (1e-9 * far / max_acceleration.min(-min_acceleration)).sqrt();
+    let off = (ours.duration() - other).abs();
+    let allowed = jerked + cruised + held + 1e-9 * ours.duration();
+    assert!(off <= allowed, "{} and {other}: {asked:?}", ours.duration());
+}
+
+proptest! {
+    #![proptest_config(settings())]
+
+    #[test]
+    fn legal_and_arrives(asked in any_question()) {
+        check_legal(&asked);
+    }
+
+    #[test]
+    fn mirrored(asked in any_question()) {
+        check_mirrored(&asked);
+    }
+
+    #[test]
+    fn run_backwards(asked in well_posed().prop_filter("begins inside", is_inside)) {
+        check_reversed(&asked);
+    }
+
+    #[test]
+    fn in_any_unit(asked in well_posed(), length in -6.0..6.0f64, time in -6.0..6.0f64) {
+        check_scaled(&asked, 10f64.powf(length), 10f64.powf(time));
+    }
+
+    #[test]
+    fn in_powers_of_two(asked in any_question(), length in -40..40i32, time in -20..20i32) {
+        check_scaled_exactly(&asked, length, time);
+    }
+
+    #[test]
+    fn the_rest_is_the_fastest_from_there(asked in inside(), part in 0.0..1.0f64) {
+        check_rest(&asked, part);
+    }
+
+    #[test]
+    fn slack_never_lengthens(asked in well_posed().prop_filter("begins inside", is_inside), which in 0..5usize, factor in 1.0..3.0f64) {
+        check_slack(&asked, which, factor);
+    }
+
+    #[test]
+    fn towards_rest_the_duration_is_continuous(asked in inside(), part in -1.0..1.0f64) {
+        check_continuous(&asked, part);
+    }
+}
