@@ -69,7 +69,7 @@ pub enum Why {
         given: f64,
     },
     /// A time that does not last.
-    #[error("is {} s: give a time above 0, or leave it out", Shortest(*.given))]
+    #[error("is {} s: give a time above 0", Shortest(*.given))]
     DurationNotPositive {
         /// The value \[s\].
         given: f64,
@@ -350,12 +350,6 @@ pub enum Why {
         given: f64,
         /// The cycle \[s\].
         cycle: f64,
-    },
-    /// A command that takes no time.
-    #[error("is {given} s: a command takes time, so give more than 0")]
-    DurationNotPositive {
-        /// The duration \[s\].
-        given: f64,
     },
     /// A point whose velocity cannot be reached in its time.
     #[error(

@@ -261,7 +261,7 @@ fn commands_one_by_one() {
         &[
             "position: is NaN: give a finite number of at most 1e60 in magnitude",
             "velocity: is -2, beyond -1: end inside the limit or raise limits.max_velocity",
-            "duration: is 0 s: a command takes time, so give more than 0",
+            "duration: is 0 s: give a time above 0",
         ],
     );
     refused(

@@ -1,3 +1,5 @@
+use arrayvec::ArrayVec;
+
 use super::command::{Command, Reach};
 use super::lane::Lanes;
 use super::{PvtPolicy, PvtRegion, pieces};
@@ -31,7 +33,8 @@ impl PvtMove {
     /// A place for a motion.
     #[inline]
     pub(super) fn unplanned() -> Self {
-        Self { motion: Move::of_rectangles(), region: PvtRegion::R1, reachable: (0.0, 0.0) }
+        let motion = Move::of_rectangles(State::at_rest(0.0), ArrayVec::new());
+        Self { motion, region: PvtRegion::R1, reachable: (0.0, 0.0) }
     }
 
     /// The motion; its adjustments are of position, velocity and time.

@@ -120,13 +120,8 @@ pub fn plan_stop(from: State, limits: &Limits) -> Result<Move, InvalidFields> {
 
 fn stop_from_any_state(from: State, limits: &Limits) -> Result<Move, InvalidFields> {
     let transit = transfer::stop(from, limits)?;
-    let mut stop = Move {
-        pieces: ArrayVec::new(),
-        pulses: Pulses::Rectangles,
-        reached: transit.end(),
-        adjustments: ArrayVec::new(),
-        classification: Classification::of_speed(from.velocity.abs()),
-    };
+    let mut stop = Move::of_rectangles(transit.end(), ArrayVec::new());
+    stop.classification = Classification::of_speed(from.velocity.abs());
     stop.pieces.extend(transit.pieces().iter().copied());
     Ok(stop)
 }

@@ -111,7 +111,8 @@ impl AdjustmentReason {
 
 impl Move {
     /// A motion of constant jerk in pieces, which are to be laid into it: to copy them costs as much as to lay them.
-    pub(super) fn of_rectangles(reached: State, adjustments: ArrayVec<Adjustment, 2>) -> Self {
+    #[inline]
+    pub(crate) fn of_rectangles(reached: State, adjustments: ArrayVec<Adjustment, 2>) -> Self {
         let (pieces, classification) = (ArrayVec::new(), Classification::default());
         Self { pieces, pulses: Pulses::Rectangles, reached, adjustments, classification }
     }
@@ -122,18 +123,6 @@ impl Move {
         adjustments.extend(adjustment);
         let (pieces, classification) = (ArrayVec::new(), Classification::default());
         Self { pieces, pulses: Pulses::Cosines, reached, adjustments, classification }
-    }
-
-    /// A motion of rectangles of jerk that has no pieces, to be begun.
-    #[inline]
-    pub(crate) fn of_rectangles() -> Self {
-        Self {
-            pieces: ArrayVec::new(),
-            pulses: Pulses::Rectangles,
-            reached: State::at_rest(0.0),
-            adjustments: ArrayVec::new(),
-            classification: Classification::default(),
-        }
     }
 
     /// Makes it another motion, to `reached`, that has no pieces yet.
