@@ -59,18 +59,23 @@ fn compare(criterion: &mut Criterion, name: &str, problems: &[Problem]) {
         bencher.iter(|| peer.duration(black_box(cycle.next().unwrap())));
     });
     group.finish();
-    print_ratio(name, problems, &inputs);
+    print_ratio(name, problems, &inputs, plan_move);
 }
 
 /// The ratio of both, from the best of rounds by turns: other work on the machine slows down some, not all. Each turn is
 /// several rounds long, as criterion's are, so that neither is measured with the branches of the other.
-fn print_ratio(name: &str, problems: &[Problem], inputs: &[InputParameter<1>]) {
+fn print_ratio<T>(
+    name: &str,
+    problems: &[Problem],
+    inputs: &[InputParameter<1>],
+    plan: impl Fn(&Problem) -> T,
+) {
     let mut peer = Peer::new();
     let (mut ours, mut theirs) = (f64::INFINITY, f64::INFINITY);
     for _ in 0..5 {
         ours = ours.min(best_round(|| {
             for problem in problems {
-                black_box(&plan_move(black_box(problem)));
+                black_box(&plan(black_box(problem)));
             }
         }));
         theirs = theirs.min(best_round(|| {
@@ -80,7 +85,8 @@ fn print_ratio(name: &str, problems: &[Problem], inputs: &[InputParameter<1>]) {
         }));
     }
     let each = |seconds: f64| seconds * 1e9 / problems.len() as f64;
-    println!("{name}: {:.1} ns, the peer {:.1} ns: 1/{:.2}", each(ours), each(theirs), theirs / ours);
+    let (ours, theirs) = (each(ours), each(theirs));
+    println!("{name}: {ours:.1} ns, {:.2} times as fast as rsruckig ({theirs:.1} ns)", theirs / ours);
 }
 
 /// The shortest of twenty rounds in a row [s].
@@ -119,22 +125,32 @@ fn families(criterion: &mut Criterion) {
         group.bench_function("ours, laid", |bencher| {
             bencher.iter(|| plan_polynomial(black_box(cycle.next().unwrap()), order).unwrap().to_profile());
         });
-        peers(&mut group, &problems);
+        let inputs = peers(&mut group, &problems);
+        group.finish();
+        print_ratio(&format!("{name}, solved"), &problems, &inputs, |problem| {
+            plan_polynomial(problem, order)
+        });
+        print_ratio(&format!("{name}, laid"), &problems, &inputs, |problem| {
+            plan_polynomial(problem, order).unwrap().to_profile()
+        });
     }
     let mut group = criterion.benchmark_group("plan/trigonometric");
     let mut cycle = problems.iter().cycle();
     group.bench_function("ours", |bencher| {
         bencher.iter(|| black_box(plan_trigonometric(black_box(cycle.next().unwrap()))).is_ok());
     });
-    peers(&mut group, &problems);
+    let inputs = peers(&mut group, &problems);
+    group.finish();
+    print_ratio("plan/trigonometric", &problems, &inputs, plan_trigonometric);
 }
 
-fn peers(group: &mut BenchmarkGroup<'_, WallTime>, problems: &[Problem]) {
+fn peers(group: &mut BenchmarkGroup<'_, WallTime>, problems: &[Problem]) -> Vec<InputParameter<1>> {
     let inputs: Vec<_> = problems.iter().map(peer::input).collect();
     let (mut cycle, mut peer) = (inputs.iter().cycle(), Peer::new());
     group.bench_function("rsruckig", |bencher| {
         bencher.iter(|| peer.duration(black_box(cycle.next().unwrap())));
     });
+    inputs
 }
 
 /// The judge, on moves of seven pieces or fewer, of fifteen, and of thirty-one.

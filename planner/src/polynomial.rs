@@ -17,7 +17,7 @@ use arrayvec::ArrayVec;
 use crate::classify::Classification;
 use crate::derivatives::RECIPROCAL;
 use crate::error::{Field, InvalidFields, Why};
-use crate::float::{least, sqrt};
+use crate::float::{cbrt, least, sqrt};
 use crate::roots::fall_to_root;
 use crate::solve::{Adjustment, feed_rate_above_limit};
 use crate::{Derivatives, Law, Limits, MAX_ORDER, Problem, Profile, Segment, State};
@@ -354,7 +354,7 @@ fn root(x: f64, k: usize) -> f64 {
     match k {
         1 => x,
         2 => sqrt(x),
-        3 => libm::cbrt(x),
+        3 => cbrt(x),
         4 => sqrt(sqrt(x)),
         _ => fall_to_root(rough_root(x, k), |y| {
             let below = power(y, k - 1);
@@ -447,14 +447,7 @@ impl PolynomialMove {
             if duration > 0.0 {
                 segments.push(piece(duration, p, from, &now));
                 // What is above p is zero, and adds nothing.
-                let powers = &powers[p];
-                for m in 0..N {
-                    let mut gain = 0.0;
-                    for i in 1..=N - m {
-                        gain += powers[i] * now[m + i];
-                    }
-                    now[m] += gain;
-                }
+                advance::<N>(&mut now, &powers[p]);
             }
             if p == N {
                 let raised = k.trailing_ones() as usize;
@@ -469,6 +462,25 @@ impl PolynomialMove {
         }
         segments.extend(after.iter().rev());
         segments
+    }
+}
+
+/// The derivatives after a hold whose `powers` are its length's over the factorials: each gains the Taylor series of those above it.
+///
+/// Two sums side by side: each piece waits for the one before it, so what counts is how long the longest sum takes.
+#[inline]
+fn advance<const N: usize>(now: &mut [f64; MAX_ORDER + 1], powers: &[f64; MAX_ORDER + 1]) {
+    for m in 0..N {
+        let (mut sum, mut other) = (now[m], 0.0);
+        for i in 1..=N - m {
+            let term = powers[i] * now[m + i];
+            if i % 2 == 1 {
+                sum += term;
+            } else {
+                other += term;
+            }
+        }
+        now[m] = sum + other;
     }
 }
 

@@ -10,7 +10,7 @@ use arrayvec::ArrayVec;
 
 use crate::classify::{Classification, SixCase};
 use crate::error::InvalidFields;
-use crate::float::{largest, least, sqrt};
+use crate::float::{cbrt, largest, least, sqrt};
 use crate::polynomial::note_motion;
 use crate::solve::{MAX_PIECES, Move, Piece, feed_rate_above_limit};
 use crate::{Problem, State};
@@ -81,7 +81,7 @@ impl Times {
         }
         let two_ramps = 2.0 * jerk * pulse * pulse * pulse;
         if two_ramps >= distance {
-            let pulse = libm::cbrt(0.5 * distance / jerk);
+            let pulse = cbrt(0.5 * distance / jerk);
             return (Self { pulse, hold: 0.0, cruise: 0.0 }, velocity_is_low && two_ramps <= distance);
         }
         let rate = jerk * pulse;

@@ -1,5 +1,5 @@
 use super::AxisLimits;
-use crate::float::{largest, least, sqrt};
+use crate::float::{cbrt, largest, least, sqrt};
 use crate::{SixCase, State};
 
 /// A move from rest to rest in closed form: three times and a jerk, for any distance.
@@ -49,7 +49,7 @@ impl Shape {
             return None;
         }
         let s = largest(distance.abs(), LEAST_DISTANCE);
-        let t_j = least(least(a / j, sqrt(v / j)), libm::cbrt(0.5 * s / j));
+        let t_j = least(least(a / j, sqrt(v / j)), cbrt(0.5 * s / j));
         let peak = j * t_j;
         let c = s / peak;
         let t_a = largest(t_j, least(v / peak, 2.0 * c / (t_j + sqrt(t_j * t_j + 4.0 * c))));

@@ -13,7 +13,6 @@ mod trapezoid;
 pub(crate) use on_cycles::note_speeds;
 pub use on_cycles::plan_move_on_cycles;
 pub(crate) use planned::Piece;
-use planned::Pulses;
 pub use planned::{Adjustment, AdjustmentReason, MAX_PIECES, Move};
 
 use arrayvec::ArrayVec;
@@ -49,11 +48,14 @@ pub fn plan_move(problem: &Problem) -> Result<Move, InvalidFields> {
     let (shape, reason) =
         shape(&lane, problem.short_path()).map_err(|refusal| refusal.of(&lane, direction))?;
     let (reached, adjustments) = adjusted(problem, direction, shape.end, reason);
-    let mut pieces = ArrayVec::new();
-    pieces::lay(&mut pieces, &shape, problem.start(), reached, direction, [lane.jerk; 2]);
-    let classification =
-        if pieces.is_empty() { Classification::of_speed(lane.start) } else { classify(&lane, &shape) };
-    Ok(Move { pieces, pulses: Pulses::Rectangles, reached, adjustments, classification })
+    let mut planned = Move::of_rectangles(reached, adjustments);
+    pieces::lay(&mut planned.pieces, &shape, problem.start(), reached, direction, [lane.jerk; 2]);
+    planned.classification = if planned.pieces.is_empty() {
+        Classification::of_speed(lane.start)
+    } else {
+        classify(&lane, &shape)
+    };
+    Ok(planned)
 }
 
 /// The time-optimal move of constant acceleration in pieces, in the direction of travel: the jerk is not limited, and the
@@ -78,10 +80,11 @@ pub fn plan_trapezoid(problem: &Problem) -> Result<Move, InvalidFields> {
     let (shape, reason) =
         trapezoid(&lane, problem.short_path()).map_err(|refusal| refusal.of(&lane, direction))?;
     let (reached, adjustments) = adjusted(problem, direction, shape.end, reason);
-    let mut pieces = ArrayVec::new();
-    pieces::lay_trapezoid(&mut pieces, &shape, problem.start(), reached, direction, &lane);
-    let classification = Classification::of_speed(if pieces.is_empty() { lane.start } else { shape.peak });
-    Ok(Move { pieces, pulses: Pulses::Rectangles, reached, adjustments, classification })
+    let mut planned = Move::of_rectangles(reached, adjustments);
+    pieces::lay_trapezoid(&mut planned.pieces, &shape, problem.start(), reached, direction, &lane);
+    let still = planned.pieces.is_empty();
+    planned.classification = Classification::of_speed(if still { lane.start } else { shape.peak });
+    Ok(planned)
 }
 
 /// What is said of a feed rate above the velocity limit, which holds.
@@ -109,9 +112,8 @@ pub fn plan_stop(from: State, limits: &Limits) -> Result<Move, InvalidFields> {
     let length = ramp::length(speed, 0.0, deceleration, jerk);
     let reached = State::at_rest(from.position + direction * length);
     within_range(reached.position, down.time(), limits)?;
-    let classification = Classification::of_speed(speed);
-    let (pieces, adjustments) = (ArrayVec::new(), ArrayVec::new());
-    let mut stop = Move { pieces, pulses: Pulses::Rectangles, reached, adjustments, classification };
+    let mut stop = Move::of_rectangles(reached, ArrayVec::new());
+    stop.classification = Classification::of_speed(speed);
     let shape = Shape::one_ramp(EightType::Type8C, Ramp::default(), down, speed, 0.0);
     pieces::lay(&mut stop.pieces, &shape, from, reached, direction, [jerk; 2]);
     Ok(stop)

@@ -9,7 +9,7 @@ use super::lane::Lane;
 use super::ramp::Ramp;
 use super::s_curve::Shape;
 use crate::classify::EightType;
-use crate::float::{largest, least, sqrt};
+use crate::float::{cbrt, largest, least, sqrt};
 use crate::roots::fall_to_root;
 
 /// The nearest end speed [axis units/s] and the ramp to it, for a lane that is too short.
@@ -68,7 +68,7 @@ fn up(lane: &Lane) -> Change {
     // Triangle, with q = √d: q³ + 2v·q = length·√j.
     let root_of_jerk = sqrt(jerk);
     let rest = length * root_of_jerk;
-    let bound = least(libm::cbrt(rest), rest / (2.0 * start));
+    let bound = least(cbrt(rest), rest / (2.0 * start));
     let root = fall_to_root(bound, |q| (q * (q * q + 2.0 * start) - rest, 3.0 * q * q + 2.0 * start));
     triangle(root, root_of_jerk)
 }

@@ -3,7 +3,7 @@
 use arrayvec::ArrayVec;
 
 use super::lane::Lane;
-use super::planned::{MAX_PIECES, Move, Pulses};
+use super::planned::{MAX_PIECES, Move};
 use super::ramp::Ramp;
 use super::s_curve::Shape;
 use super::{adjusted, classify, pieces};
@@ -34,13 +34,7 @@ pub fn plan_move_on_cycles(problem: &Problem, cycle_time: CycleTime) -> Result<M
     let direction = problem.direction();
     let lane = Lane::of(problem, direction);
     let (reached, adjustments) = adjusted(problem, direction, 0.0, None);
-    let mut planned = Move {
-        pieces: ArrayVec::new(),
-        pulses: Pulses::Rectangles,
-        reached,
-        adjustments,
-        classification: Classification::default(),
-    };
+    let mut planned = Move::of_rectangles(reached, adjustments);
     if lane.length == 0.0 {
         return Ok(planned);
     }

@@ -9,7 +9,7 @@ pub const MAX_PIECES: usize = 7;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
     pub(super) pieces: ArrayVec<Piece, MAX_PIECES>,
-    pub(super) pulses: Pulses,
+    pulses: Pulses,
     pub(super) reached: State,
     pub(super) adjustments: ArrayVec<Adjustment, 2>,
     pub(super) classification: Classification,
@@ -27,7 +27,7 @@ pub(crate) struct Piece {
 
 /// What the jerk of a whole move is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Pulses {
+enum Pulses {
     Rectangles,
     Cosines,
 }
@@ -90,6 +90,12 @@ impl AdjustmentReason {
 }
 
 impl Move {
+    /// A motion of constant jerk in pieces, which are to be laid into it: to copy them costs as much as to lay them.
+    pub(super) fn of_rectangles(reached: State, adjustments: ArrayVec<Adjustment, 2>) -> Self {
+        let (pieces, classification) = (ArrayVec::new(), Classification::default());
+        Self { pieces, pulses: Pulses::Rectangles, reached, adjustments, classification }
+    }
+
     /// A motion of cosine pulses that has no pieces yet.
     pub(crate) fn of_cosines(reached: State, adjustment: Option<Adjustment>) -> Self {
         let mut adjustments = ArrayVec::new();

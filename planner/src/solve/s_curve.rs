@@ -8,7 +8,7 @@
 use super::lane::{Lane, Sides};
 use super::ramp::{self, Ramp};
 use crate::classify::EightType;
-use crate::float::{largest, least, sqrt};
+use crate::float::{cbrt, largest, least, sqrt};
 use crate::roots::fall_to_root;
 
 /// What a lane is solved to: a ramp to the peak, a cruise \[s\], a ramp to the end.
@@ -174,7 +174,7 @@ impl Peak {
         let linear = 0.5 * ((gap + sum) / far + jerk_time) * root_of_jerk;
         let square = 0.5 * root_of_jerk / far;
         let bound = least(
-            least(libm::cbrt(rest), sqrt(rest / linear)),
+            least(cbrt(rest), sqrt(rest / linear)),
             least(sqrt(sqrt(rest / square)), rest / (2.0 * faster)),
         );
         let root = fall_to_root(bound, |q| {
@@ -197,7 +197,7 @@ impl Peak {
         let linear = faster / near + 0.5 * jerk_time;
         let rest = largest(0.0, self.length - faster * jerk_time - sum * root_of_gap / root_of_jerk);
         let change = least(sqrt(2.0 * near * rest), rest / (linear + root_of_gap / root_of_jerk));
-        let bound = least(change / (sqrt(change + gap) + root_of_gap), libm::cbrt(rest * root_of_jerk));
+        let bound = least(change / (sqrt(change + gap) + root_of_gap), cbrt(rest * root_of_jerk));
         let root = fall_to_root(bound, |k| {
             let h = root_of_gap + k;
             let u = k * (h + root_of_gap);
@@ -217,7 +217,7 @@ impl Peak {
         let way = 2.0 * self.length * self.jerk * self.jerk;
         let both = high * (high + low);
         let root = if way <= 4.0 * low * low * low {
-            libm::cbrt(0.5 * self.length * sqrt(self.jerk))
+            cbrt(0.5 * self.length * sqrt(self.jerk))
         } else if low * way < both * both {
             let (b, square) = (low / sqrt(self.jerk), sqrt(2.0 * low * self.length));
             2.0 * square / (b + sqrt(b * b + 4.0 * square))
@@ -232,7 +232,7 @@ impl Peak {
         let Sides { faster, sum, gap, .. } = self.sides;
         let root_of_gap = sqrt(gap);
         let rest = largest(0.0, self.length * sqrt(self.jerk) - sum * root_of_gap);
-        let bound = least(libm::cbrt(0.5 * rest), rest / (2.0 * faster));
+        let bound = least(cbrt(0.5 * rest), rest / (2.0 * faster));
         if bound == 0.0 {
             return Rise::default();
         }
