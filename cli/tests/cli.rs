@@ -486,6 +486,39 @@ fn a_batch_of_every_reference_move() {
     }
 }
 
+/// Which limit binds when, whatever the family; and that a move ends on a cycle.
+#[test]
+fn every_family_says_what_holds_it_back() {
+    let snap = ["--max-snap", "6000", "--max-higher-derivatives", "700000"];
+    let rows: [(&[&str], &[&str]); 6] = [
+        (&["--family", "s-curve"], &["S-curve by", "jerk 0.0000 to 0.0300 s", "velocity 0.1133 to 0.2000 s"]),
+        (
+            &["--family", "s-curve", "--max-deceleration", "2"],
+            &["asymmetric type 1", "acceleration", "velocity"],
+        ),
+        (
+            &["--family", "trapezoidal"],
+            &["trapezoid by", "acceleration 0.0000 to", "velocity", "not promised"],
+        ),
+        (
+            &["--family", "polynomial", "--order", "5"],
+            &["polynomial of order 5", "crackle 0", "snap", "jerk", "velocity"],
+        ),
+        (&["--family", "trigonometric"], &["case D.1 (cruises, full", "jerk 0", "acceleration", "velocity"]),
+        (
+            &["--family", "trigonometric", "--end-on-cycle"],
+            &["0.344 s, 344 cycles", "trigonometric that ends on a cycle, by"],
+        ),
+    ];
+    for (args, parts) in rows {
+        let out = plan(&[&["--distance", "0.05"], args, &snap].concat()).with(0).out;
+        for part in parts {
+            assert!(out.contains(part), "{part}:\n{out}");
+        }
+        assert_eq!(out.contains("Limits that hold it back"), !args.contains(&"--end-on-cycle"), "{out}");
+    }
+}
+
 /// The move of Nguyen, Ng and Chen (2008), section 4: 50 mm at 60 mm/s. Their other limits are not known; with these every
 /// limit is reached.
 const PAPERS_MOVE: [&str; 8] =
