@@ -58,6 +58,8 @@ mod tests {
             }
         }
         assert!(worst <= 2.0, "{worst} units");
-        assert_eq!([0.0, 1e-310].map(cbrt), [0.0, 1e-310].map(libm::cbrt));
+        for x in [0.0, 1e-310] {
+            assert_eq!(cbrt(x).to_bits(), libm::cbrt(x).to_bits());
+        }
     }
 }
