@@ -5,6 +5,7 @@
 mod args;
 mod command;
 mod failure;
+mod law;
 mod service;
 mod show;
 mod source;

@@ -4,9 +4,10 @@ use sim_axis::{
     MechanicsSpec, ReportCard, ServoSpec,
 };
 
-use crate::args::{CompareArgs, Law};
+use crate::args::CompareArgs;
 use crate::command::plan::in_flags;
 use crate::failure::Failure;
+use crate::law::Law;
 use crate::service::Service;
 use crate::show::compared::{self, Compared, Curves};
 use crate::show::paint::Screen;
@@ -89,9 +90,8 @@ impl Chosen {
     /// Completes the limits of `spec` up to the order of the highest of `laws`.
     ///
     /// Where the limits of two neighbouring derivatives are `a` and `j`, the lower takes `a/j` to its limit; the next one, `2·j²/a`,
-    /// takes half of that, and so on. The lengths of time of a polynomial must each be at least the sum of those before it, which
-    /// halves are, with nothing to spare in the limit: so every derivative reaches its limit, and none could be lower by much
-    /// without costing another its hold.
+    /// takes half of that, and so on. A polynomial reaches every limit where each of these times is at least the sum of all shorter
+    /// ones, which halving keeps for any order with the least to spare: so these are the gentlest limits that are all reached.
     fn fill(spec: &mut RequestSpec, laws: &[Law]) -> Self {
         let order = laws.iter().filter_map(|law| law.order).max().unwrap_or(0) as usize;
         let mut chosen = Self::default();

@@ -11,9 +11,10 @@ use server::Server;
 use sim_axis::{AxisModel, Clock, TrackRequest, Tracking, TrackingReport, default_settle_tolerance};
 use tokio::sync::oneshot;
 
-use crate::args::{DemoArgs, Law};
+use crate::args::DemoArgs;
 use crate::command::compare::{Watched, families};
 use crate::failure::Failure;
+use crate::law::Law;
 use crate::service::Service;
 use crate::show::compared;
 use crate::show::paint::Screen;

@@ -4,7 +4,7 @@ use std::io;
 
 use planner::{
     AdjustmentReason, AsymmetricType, AxisKind, AxisPlan, Certificate, Classification, EightType, EndCheck,
-    Family, InvalidFields, JoinCheck, Judged, LimitCheck, Method, Plan, Quantity, Violation,
+    Family, InvalidFields, JoinCheck, Judged, LimitCheck, Method, Plan, Quantity, SixCase, Violation,
 };
 
 use crate::show::number::{self, column, counted, exact_column, plain, unit};
@@ -267,18 +267,19 @@ fn kind(kind: AxisKind) -> &'static str {
 }
 
 fn family(method: Method) -> String {
-    match method.family {
+    let family = match method.family {
         Family::SCurve => "S-curve".to_owned(),
         Family::Trapezoidal => "trapezoid".to_owned(),
         Family::Polynomial => format!("polynomial of order {}", method.order),
         Family::Trigonometric => "trigonometric".to_owned(),
-    }
+    };
+    if method.end_on_cycle { format!("{family} that ends on a cycle,") } else { family }
 }
 
 /// The shape in words.
 pub(crate) fn classification(classification: &Classification, kind: AxisKind) -> String {
-    // The six cases tell less than the eight types do, and are given with them.
-    let Classification { eight_type, asymmetric_type, six_case: _, feed_rate } = *classification;
+    // Where there are eight types, the six cases tell less.
+    let Classification { eight_type, asymmetric_type, six_case, feed_rate } = *classification;
     let peak = format!("{}\u{a0}{}", plain(feed_rate), unit(kind, Quantity::Velocity));
     let Some(eight_type) = eight_type else {
         return match asymmetric_type {
@@ -288,7 +289,10 @@ pub(crate) fn classification(classification: &Classification, kind: AxisKind) ->
                 asymmetric_words(asymmetric)
             ),
             None if feed_rate == 0.0 => "stands still".to_owned(),
-            None => format!("peak {peak}"),
+            None => match six_case {
+                Some(case) => format!("case {case} ({}), peak {peak}", case_words(case)),
+                None => format!("peak {peak}"),
+            },
         };
     };
     let words = match eight_type {
@@ -316,6 +320,15 @@ fn asymmetric_words(kind: AsymmetricType) -> &'static str {
         AsymmetricType::Type6 => "cruises, full acceleration only while speeding up",
         AsymmetricType::Type7 => "cruises, full acceleration only while slowing down",
         AsymmetricType::Type8 => "cruises, never at full acceleration",
+    }
+}
+
+fn case_words(case: SixCase) -> &'static str {
+    match case {
+        SixCase::A | SixCase::C1 => "cruises, never at full acceleration",
+        SixCase::B | SixCase::C2 => "no cruise, never at full acceleration",
+        SixCase::D1 => "cruises, full acceleration both ways",
+        SixCase::D2 => "no cruise, full acceleration both ways",
     }
 }
 
