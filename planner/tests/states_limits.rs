@@ -60,7 +60,8 @@ fn tame(asked: &Question) -> Question {
 
 fn settings() -> ProptestConfig {
     let given = ProptestConfig::default();
-    ProptestConfig { cases: given.cases.max(4096), failure_persistence: None, ..given }
+    let cases = given.cases.max(4096);
+    ProptestConfig { cases, max_local_rejects: u32::MAX, failure_persistence: None, ..given }
 }
 
 fn is_inside(asked: &Question) -> bool {

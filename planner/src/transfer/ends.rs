@@ -1,4 +1,4 @@
-use crate::float::{largest, sqrt};
+use crate::float::{largest, least, sqrt};
 
 /// How long each of the seven phases lasts, of jerk `+ 0 − 0 − 0 +`: up to a peak of the acceleration, down to a valley, and up
 /// to the end; where the fourth lasts, velocity stays at its limit, else the third and the fifth are one.
@@ -87,13 +87,12 @@ impl Ends {
     }
 
     /// What the way of a motion that takes `time` is rounded to, where its positions are exact: of its first terms,
-    /// `T·(v₀ + v₁)/2 + T²·(a₀ − a₁)/12`.
+    /// `T·(v₀ + v₁)/2 + T²·(a₀ − a₁)/12`, of which the accelerations count for as long as they last.
     pub(super) fn way_rounding(&self, time: f64) -> f64 {
         let Self { start, goal, .. } = self;
+        let speeds = 0.5 * (start.velocity.abs() + goal.velocity.abs());
         let accelerations = start.acceleration.abs() + goal.acceleration.abs();
-        WAY_ROUNDED
-            * time
-            * (0.5 * (start.velocity.abs() + goal.velocity.abs()) + time * accelerations / 12.0)
+        WAY_ROUNDED * time * (speeds + least(time, accelerations) * accelerations / 12.0)
     }
 
     /// Are both ends the same, but for their rounding?
