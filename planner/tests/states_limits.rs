@@ -244,7 +244,8 @@ fn what_is_refused() {
 /// bounds are 1, 1 and 1.
 #[test]
 fn the_judge_objects() {
-    let rows: [(f64, f64, &[(f64, f64)], &[Quantity]); 9] = [
+    type Row<'a> = (f64, f64, &'a [(f64, f64)], &'a [Quantity]);
+    let rows: [Row; 9] = [
         // Inside; and led back from 1.5 as it should be, onto the limit or below it.
         (0.0, 0.0, &[(1.0, 1.0), (-1.0, 1.0)], &[]),
         (1.5, 0.0, &[(-1.0, 0.5f64.sqrt()), (1.0, 0.5f64.sqrt())], &[]),
