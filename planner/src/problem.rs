@@ -94,7 +94,10 @@ fn finite(invalid: &mut InvalidFields, name: &str, state: &State) {
     inner.note("position", not_finite(state.position));
     inner.note("velocity", not_finite(state.velocity));
     inner.note("acceleration", not_finite(state.acceleration));
-    invalid.extend_within(&Field::named(name), inner);
+    // A path is spelt only where there is something to say of it.
+    if !inner.is_empty() {
+        invalid.extend_within(&Field::named(name), inner);
+    }
 }
 
 /// Which of the two ends a refusal is about.

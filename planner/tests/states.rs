@@ -8,8 +8,9 @@
 //! ```
 //!
 //! What is accepted where the peer's duration is less: that its motion ends elsewhere, by more than ours may (`astray`; almost all with
-//! ways of 1e-9 and less, which it takes for none). What is counted where it is more: its brake goes on until the velocity is
-//! at its limit, comes in with an acceleration and undershoots; and it misses shapes whose acceleration keeps its sign.
+//! ways of 1e-9 and less, of which it takes some for none). What is counted where it is more: its brake goes on until the velocity is at
+//! its limit, comes in with an acceleration and undershoots; and on the last flank of a motion that passes its goal at speed, a
+//! rounding sends it round once more.
 
 #![allow(
     clippy::unwrap_used,

@@ -14,8 +14,9 @@ mod common;
 use common::states::{Kind, Question, question};
 use common::{Random, feasible_case};
 use planner::{
-    Bounds, BoundsSpec, InvalidFields, Limits, LimitsSpec, State, Transfer, Transit, plan_between, plan_move,
-    plan_stop, plan_transfer, plan_velocity, transfer_violations, violations,
+    Bounds, BoundsSpec, EndCheck, InvalidFields, JoinCheck, Law, LimitCheck, Limits, LimitsSpec, Profile,
+    Quantity, Segment, State, Transfer, Transit, Violation, plan_between, plan_move, plan_stop,
+    plan_transfer, plan_velocity, transfer_violations, violations,
 };
 use proptest::prelude::*;
 
@@ -60,7 +61,8 @@ fn tame(asked: &Question) -> Question {
 
 fn settings() -> ProptestConfig {
     let given = ProptestConfig::default();
-    ProptestConfig { cases: given.cases.max(4096), failure_persistence: None, ..given }
+    let cases = given.cases.max(4096);
+    ProptestConfig { cases, max_local_rejects: u32::MAX, failure_persistence: None, ..given }
 }
 
 fn is_inside(asked: &Question) -> bool {
@@ -148,9 +150,10 @@ fn a_lowered_limit_is_approached_without_undershoot() {
         let (start, goal) = (state(0.0, velocity, acceleration), State::at_rest(20.0));
         let bounds = symmetric(1.0, 1.0, 2.0);
         let transit = planned(start, goal, bounds).unwrap();
-        let cruise = transit.segments().into_iter().position(|segment| {
-            segment.law == planner::Law::ConstantJerk(0.0) && segment.start.acceleration == 0.0
-        });
+        let cruise = transit
+            .segments()
+            .into_iter()
+            .position(|segment| segment.law == Law::ConstantJerk(0.0) && segment.start.acceleration == 0.0);
         let cruise = cruise.expect("it goes far enough to cruise");
         let before = transit.segments().into_iter().take(cruise);
         let slowest = before
@@ -234,6 +237,56 @@ fn what_is_refused() {
     ];
     for (given, expected) in rows {
         assert_eq!(given, expected);
+    }
+}
+
+/// The judge objects to what it should: rows of jerk and time, from a velocity and an acceleration, and what is wrong with them. The
+/// bounds are 1, 1 and 1.
+#[test]
+fn the_judge_objects() {
+    type Row<'a> = (f64, f64, &'a [(f64, f64)], &'a [Quantity]);
+    let rows: [Row; 9] = [
+        // Inside; and led back from 1.5 as it should be, onto the limit or below it.
+        (0.0, 0.0, &[(1.0, 1.0), (-1.0, 1.0)], &[]),
+        (1.5, 0.0, &[(-1.0, 0.5f64.sqrt()), (1.0, 0.5f64.sqrt())], &[]),
+        (1.5, 0.0, &[(-1.0, 1.0), (1.0, 1.0)], &[]),
+        // Beyond the limit from inside it.
+        (0.5, 0.0, &[(1.0, 1.0), (-1.0, 1.0)], &[Quantity::Velocity]),
+        // Beyond it whatever is done, and farther than that.
+        (0.8, 1.0, &[(-1.0, 1.0)], &[]),
+        (0.8, 1.0, &[(-0.5, 2.0)], &[Quantity::Velocity]),
+        // Back, and out again.
+        (1.5, 0.0, &[(-1.0, 1.0), (1.0, 2.0), (-1.0, 1.0)], &[Quantity::Velocity]),
+        // The acceleration comes back, but not at once.
+        (-0.9, 1.5, &[(0.5, 0.2), (-1.0, 1.6)], &[Quantity::Acceleration]),
+        (0.0, 0.0, &[(2.0, 0.1), (-1.0, 0.2)], &[Quantity::Jerk]),
+    ];
+    let bounds = Bounds::symmetric(1.0, 1.0, 1.0).unwrap();
+    for (velocity, acceleration, pieces, expected) in rows {
+        let mut at = state(0.0, velocity, acceleration);
+        let segments = pieces.iter().map(|&(jerk, duration)| {
+            let segment = Segment { duration, start: at, law: Law::ConstantJerk(jerk) };
+            at = segment.end();
+            segment
+        });
+        let profile = Profile::new(segments.collect(), at);
+        let objections = |profile: &Profile, goal: State| -> Vec<Quantity> {
+            let found = transfer_violations(profile, &bounds, goal);
+            let of = |violation: &Violation| match violation {
+                Violation::Limit(LimitCheck { quantity, .. })
+                | Violation::Join(JoinCheck { quantity, .. })
+                | Violation::End(EndCheck { quantity, .. }) => *quantity,
+            };
+            found.iter().map(of).collect()
+        };
+        assert_eq!(objections(&profile, at), expected, "{velocity} {acceleration} {pieces:?}");
+        let elsewhere = State { position: at.position + 1e-6, ..at };
+        assert!(objections(&profile, elsewhere).contains(&Quantity::Position));
+        let mut torn = profile.segments().to_vec();
+        if let Some(last) = torn.get_mut(1) {
+            last.start.velocity += 1e-6;
+            assert!(objections(&Profile::new(torn, at), at).contains(&Quantity::Velocity));
+        }
     }
 }
 

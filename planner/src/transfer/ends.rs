@@ -1,4 +1,4 @@
-use crate::float::{largest, sqrt};
+use crate::float::{largest, least, sqrt};
 
 /// How long each of the seven phases lasts, of jerk `+ 0 − 0 − 0 +`: up to a peak of the acceleration, down to a valley, and up
 /// to the end; where the fourth lasts, velocity stays at its limit, else the third and the fifth are one.
@@ -8,10 +8,10 @@ pub(super) type Phases = [f64; 7];
 /// is none: for a peak takes the root of it, and half of the digits of a duration would be made of roundings.
 const ROUNDED: f64 = 32.0 * f64::EPSILON;
 
-/// Of the terms that add up to a way \[1\]: a way that differs from a motion's by less is that motion's, of which start and goal
-/// are rounded, and each piece of a motion that led there. Beside the fastest change of velocity, and at the end of the lens, the next motion that arrives may take far longer:
-/// there every motion lies that is planned again on its last flank.
-const WAY_ROUNDED: f64 = 256.0 * f64::EPSILON;
+/// Of a way \[1\]: one that differs from a motion's by less is that motion's, of which start and goal are rounded, and so was each
+/// piece of a longer motion that led there. Beside the fastest change of velocity, and at the end of the lens, the next motion
+/// that arrives may take far longer: there every motion lies that is planned again on its last flank.
+const WAY_ROUNDED: f64 = 512.0 * f64::EPSILON;
 
 /// The ends of a motion in the time unit that makes the jerk limit 1: accelerations are times, velocities their squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,11 +86,13 @@ impl Ends {
         0.5 * (self.start.acceleration + self.goal.acceleration)
     }
 
-    /// What the way of a motion that takes `time` is rounded to, where its positions are exact.
+    /// What the way of a motion that takes `time` is rounded to, where its positions are exact: of its first terms,
+    /// `T·(v₀ + v₁)/2 + T²·(a₀ − a₁)/12`, of which the accelerations count for as long as they last.
     pub(super) fn way_rounding(&self, time: f64) -> f64 {
         let Self { start, goal, .. } = self;
+        let speeds = 0.5 * (start.velocity.abs() + goal.velocity.abs());
         let accelerations = start.acceleration.abs() + goal.acceleration.abs();
-        WAY_ROUNDED * time * (start.velocity.abs() + goal.velocity.abs() + time * accelerations)
+        WAY_ROUNDED * time * (speeds + least(time, accelerations) * accelerations / 12.0)
     }
 
     /// Are both ends the same, but for their rounding?

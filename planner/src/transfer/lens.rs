@@ -37,9 +37,9 @@ impl Upper {
         let closes = start.acceleration > 0.0 && below > 0.0;
         let end = if closes { largest(0.0, goal.acceleration - sqrt(below)) } else { goal.acceleration };
         let (mut from, mut to) = (0.0, end);
-        let last = self.member(end, excess);
-        let slack = self.slack + self.ends.way_rounding(last.rise + last.hold + last.fall + end);
-        let mut found = last.way >= self.way - slack;
+        let slowest = self.member(end, excess);
+        let slack = self.slack + self.ends.way_rounding(slowest.rise + slowest.hold + slowest.fall + end);
+        let mut found = slowest.way >= self.way - slack;
         if let Some(farthest) = self.farthest(excess, end) {
             if self.member(farthest, excess).way >= self.way {
                 (to, found) = (farthest, true);

@@ -127,7 +127,10 @@ fn note_goal(invalid: &mut InvalidFields, goal: &State, bounds: &Bounds, names: 
             inner.note("acceleration", refuse(acceleration, allowed, names.min_velocity));
         }
     }
-    invalid.extend_within(&Field::named("goal"), inner);
+    // A path is spelt only where there is something to say of it.
+    if !inner.is_empty() {
+        invalid.extend_within(&Field::named("goal"), inner);
+    }
 }
 
 /// The fastest motion of one axis from any state to any state.

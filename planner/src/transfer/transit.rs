@@ -83,7 +83,7 @@ impl Transit {
                 Some(last) if last.jerk == jerk => last.duration += duration,
                 _ => self.pieces.push(Piece {
                     duration,
-                    start: State { position: origin + at.position, ..at },
+                    start: State { position: origin + at.position, ..at }.with_positive_zeros(),
                     jerk,
                 }),
             }
