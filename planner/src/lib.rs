@@ -120,7 +120,8 @@ pub use problem::Problem;
 pub use profile::{Cursor, Profile};
 pub use quantity::Quantity;
 pub use request::{
-    AxisKind, AxisMove, AxisMoveSpec, Family, MAX_AXES, MAX_NAME_BYTES, Request, RequestSpec, Synchronization,
+    AxisKind, AxisMove, AxisMoveSpec, Family, MAX_AXES, MAX_NAME_BYTES, Request, RequestSpec,
+    Synchronization, wrong_name,
 };
 pub use segment::{Law, MAX_TURNING_POINTS, Segment, Setpoint};
 pub use short_path::ShortPathPolicy;
