@@ -19,8 +19,8 @@ mod status;
 pub mod stream;
 
 pub use convert::{
-    Against, against, plan_from_wire, plan_to_wire, request_from_wire, request_to_wire, response_from_wire,
-    response_to_wire,
+    Against, accepted, accepted_in, against, plan_from_wire, plan_in, plan_to_wire, request_from_wire,
+    request_to_wire, response_from_wire, response_to_wire, within,
 };
 pub use digest::{Digest, RaggedColumns};
 pub use fingerprint::fingerprint;
