@@ -1,6 +1,6 @@
 use ::planner::{Judged, Request as PlanRequest, RequestSpec, certify, certify_against};
 use proto::pb::planner_service_server::PlannerService;
-use proto::{Rejected, pb, plan_from_wire, plan_to_wire};
+use proto::{Rejected, pb, plan_in, plan_to_wire};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
@@ -26,7 +26,7 @@ fn plan(wire: pb::PlanRequest) -> Result<pb::PlanResponse, Rejected> {
 
 fn verify(wire: pb::VerifyPlanRequest) -> Result<pb::VerifyPlanResponse, Rejected> {
     let pb::VerifyPlanRequest { plan, against } = wire;
-    let plan = plan_from_wire(plan.unwrap_or_default()).map_err(sample::within_plan)?;
+    let plan = plan_in("plan", plan)?;
     let certificate = if against.is_empty() {
         certify(&plan)
     } else {
