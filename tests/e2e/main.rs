@@ -9,6 +9,7 @@
 
 mod bad_plans;
 mod bad_streams;
+mod large_messages;
 mod plan_then_stream;
 mod standing_services;
 mod tracking;
