@@ -91,8 +91,10 @@ impl From<client::Error> for Failure {
     fn from(error: client::Error) -> Self {
         match error {
             client::Error::Rejected(rejected) => Self::Refused(rejected),
-            client::Error::Unreachable { endpoint, cause } => Self::Unreachable { endpoint, cause },
-            client::Error::Protocol(_) => Self::Internal(error.to_string()),
+            client::Error::Address { endpoint, cause } | client::Error::Unreachable { endpoint, cause } => {
+                Self::Unreachable { endpoint, cause }
+            }
+            client::Error::TooLarge { .. } | client::Error::Protocol(_) => Self::Internal(error.to_string()),
         }
     }
 }
@@ -100,7 +102,7 @@ impl From<client::Error> for Failure {
 impl From<sim_axis::TrackError> for Failure {
     fn from(error: sim_axis::TrackError) -> Self {
         match error {
-            sim_axis::TrackError::NotOpened(cause) => cause.into(),
+            sim_axis::TrackError::NotOpened { cause, .. } => cause.into(),
             other => Self::Internal(other.to_string()),
         }
     }

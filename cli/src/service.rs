@@ -160,6 +160,6 @@ fn answer(spec: RequestSpec) -> Result<Judged, Rejected> {
 }
 
 fn sample(plan: Plan, first_cycle: u64, cycles: u64, put: Put<'_, Chunk>) -> Result<(), Failure> {
-    let accepted: Accepted = Judged::new(plan).accepted().map_err(Failure::refused)?;
+    let accepted: Accepted = proto::accepted("plan", plan).map_err(Failure::refused)?;
     Sampling::new(accepted, first_cycle, cycles).map_err(Failure::refused)?.try_for_each(put)
 }

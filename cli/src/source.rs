@@ -132,15 +132,14 @@ impl Line {
                 self.number,
                 error.valid_up_to() + 1
             );
-            self.refusal(Reason::ProtocolOrder, message)
+            self.refusal(Reason::MessageInvalid, message)
         })?;
         proto::from_json::<pb::PlanRequest>(text)
             .map(RequestSpec::from)
             .map_err(|error| self.unreadable(text, &error))
     }
 
-    /// No reason of the contract says "not a message": the closest is that of a message where it does not belong. A
-    /// number that JSON cannot carry has one of its own.
+    /// A number that JSON cannot carry has a reason of its own.
     fn unreadable(&self, text: &str, error: &JsonError) -> Rejected {
         let (column, cause) = match error {
             JsonError::Read { column, cause, .. } => (*column, cause.as_str()),
@@ -155,7 +154,7 @@ impl Line {
         let (reason, way_out) = if beyond || not_finite.iter().any(|name| word.starts_with(name)) {
             (Reason::NotFinite, "give finite numbers")
         } else {
-            (Reason::ProtocolOrder, "give one PlanRequest in proto3 JSON a line")
+            (Reason::MessageInvalid, "give one PlanRequest in proto3 JSON a line")
         };
         self.refusal(reason, format!("line {number}, column {column}: {cause}: {way_out}"))
     }

@@ -48,16 +48,16 @@ fn a_batch_answers_every_line_in_order() {
     let answers = ran.lines();
     let expected = [
         "plan",
-        "INVALID_ARGUMENT PROTOCOL_ORDER",
+        "INVALID_ARGUMENT MESSAGE_INVALID",
         "INVALID_ARGUMENT NOT_FINITE",
         "INVALID_ARGUMENT NOT_FINITE",
         "INVALID_ARGUMENT NOT_FINITE",
         "INVALID_ARGUMENT NOT_FINITE",
         "RESOURCE_EXHAUSTED TOO_MANY_AXES",
         "INVALID_ARGUMENT NO_AXES",
-        "INVALID_ARGUMENT PROTOCOL_ORDER",
-        "INVALID_ARGUMENT PROTOCOL_ORDER",
-        "INVALID_ARGUMENT PROTOCOL_ORDER",
+        "INVALID_ARGUMENT MESSAGE_INVALID",
+        "INVALID_ARGUMENT MESSAGE_INVALID",
+        "INVALID_ARGUMENT MESSAGE_INVALID",
         "plan",
     ];
     let said = answers.iter().map(|answer| match answer.get("error") {
@@ -85,7 +85,7 @@ fn lines_are_counted_as_an_editor_does() {
     let good = request(0.05).to_string();
     let long = format!("{}{good}", " ".repeat(10 << 20));
     let plan = "plan";
-    let unread = "PROTOCOL_ORDER";
+    let unread = "MESSAGE_INVALID";
     /// What it is, what is read, and what is answered: a reason and the line that it names.
     type Row<'a> = (&'a str, Vec<u8>, Vec<(&'a str, &'a str)>);
     let rows: Vec<Row<'_>> = vec![
@@ -161,7 +161,7 @@ fn an_error_has_one_form() {
     assert_eq!(answers[0], expected);
     let expected = json!({"error": {
         "code": "INVALID_ARGUMENT",
-        "reason": "PROTOCOL_ORDER",
+        "reason": "MESSAGE_INVALID",
         "message": "line 2, column 2: key must be a string: give one PlanRequest in proto3 JSON a line",
         "fields": [],
         "metadata": {"line": "2"},

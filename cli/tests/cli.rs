@@ -143,7 +143,7 @@ fn colours_are_for_terminals() {
         .collect();
     assert_eq!(bare.concat(), plain);
     // Nor does a name steer a terminal.
-    assert!(!plan(&["--distance", "0.05", "--axis", "\x1b[31m"]).with(0).out.contains('\x1b'));
+    assert!(!plan(&["--distance", "0.05", "--axis", "\x1b[31m"]).with(3).err.contains('\x1b'));
 }
 
 #[test]
@@ -285,7 +285,7 @@ fn samples_are_those_of_the_digest() {
     let args = ["sample", "--plan", text(&file), "--first-cycle", "10", "--cycles", "5"];
     assert_eq!(portamento(&args, "").with(0).out.lines().count(), 6);
     let args = ["sample", "--plan", text(&file), "--first-cycle", "99999"];
-    assert!(portamento(&args, "").with(3).err.contains("RESUME_PAST_END"));
+    assert!(portamento(&args, "").with(3).err.contains("VALUE_OUT_OF_RANGE"));
 }
 
 /// A server on a port of its own, for as long as the test runs.

@@ -30,6 +30,8 @@ pub struct Buffer {
     accepted: u64,
     /// The cycle after which nothing follows, once it is known.
     last: Option<u64>,
+    /// The cycle at which the motion has come to rest, where the axis knows it.
+    motion_end: u64,
     counters: Counters,
 }
 
@@ -82,8 +84,20 @@ impl Buffer {
             executed: 0,
             accepted: 0,
             last: None,
+            motion_end: u64::MAX,
             counters: Counters { least_lead_cycles: lead, ..Counters::default() },
         }
+    }
+
+    /// The motion is at rest from `cycle` on: once that is held, a small lead does no harm, and is not counted.
+    pub fn motion_ends_at(&mut self, cycle: u64) {
+        self.motion_end = cycle;
+    }
+
+    /// How many cycles are held at most.
+    #[must_use]
+    pub fn lead(&self) -> u64 {
+        self.lead
     }
 
     /// The last cycle that was given to the servo.
@@ -258,7 +272,7 @@ impl Buffer {
             return None;
         }
         self.executed += 1;
-        if self.last.is_none() {
+        if self.last.is_none() && self.accepted < self.motion_end {
             self.counters.least_lead_cycles = self.counters.least_lead_cycles.min(self.held());
         }
         self.playing()

@@ -1,5 +1,6 @@
 use std::fmt::Display;
 
+use prost::Message;
 use proto::Rejected;
 use proto::stream::Refused;
 use tonic::{Code, Status};
@@ -10,6 +11,24 @@ pub enum Error {
     /// Yours to mend: the request was understood and refused.
     #[error("{0}")]
     Rejected(Box<Rejected>),
+    /// Yours to mend: nobody can be asked at such an address.
+    #[error("{endpoint:?} is not an address: {cause}; write it as http://host:port")]
+    Address {
+        /// As it was given.
+        endpoint: String,
+        /// What is wrong with it.
+        cause: String,
+    },
+    /// Yours to mend: a message, asked or answered, that this client is not to take.
+    #[error(
+        "a message to or from {endpoint} is too large for this client: {cause}; ask for less at a time, or raise the limit"
+    )]
+    TooLarge {
+        /// Where.
+        endpoint: String,
+        /// Its size and the limit.
+        cause: String,
+    },
     /// Try again, or elsewhere.
     #[error("{endpoint} is not reachable: {cause}")]
     Unreachable {
@@ -34,6 +53,10 @@ impl Error {
             Code::Unavailable | Code::DeadlineExceeded | Code::Cancelled | Code::Unknown => {
                 Self::Unreachable { endpoint: endpoint.into(), cause: status.message().into() }
             }
+            // A server says so with a reason; without one it is this side that has measured.
+            Code::OutOfRange if status.message().contains("message length too large") => {
+                Self::TooLarge { endpoint: endpoint.into(), cause: status.message().into() }
+            }
             code => Self::Protocol(format!("{}: {}", proto::code_name(code), status.message())),
         }
     }
@@ -43,6 +66,20 @@ impl Error {
     pub fn unreachable(endpoint: &str, error: &(dyn std::error::Error + 'static)) -> Self {
         let cause = proto::unreachable(error).message().to_owned();
         Self::Unreachable { endpoint: endpoint.into(), cause }
+    }
+
+    /// A request to `endpoint` that is known to fit: one that does not would break the connection's stream without a word.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] where it has more than `most` bytes.
+    pub fn unless_fits<M: Message>(endpoint: &str, request: M, most: usize) -> Result<M, Self> {
+        let bytes = request.encoded_len();
+        let cause = || format!("the request has {bytes} bytes, the limit is {most}");
+        if bytes <= most {
+            Ok(request)
+        } else {
+            Err(Self::TooLarge { endpoint: endpoint.into(), cause: cause() })
+        }
     }
 
     /// An answer that cannot be read.

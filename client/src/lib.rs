@@ -1,5 +1,6 @@
 //! What a cell controller or an axis gateway links: plans, and streams of setpoints.
 //!
+//! - [`address`]: what can be connected to
 //! - [`Client`]: asks a server for plans, and opens streams
 //! - [`Setpoints`]: the cycles of a stream in order; a gap is an error, not a shrug
 //! - [`Buffer`]: the rule by which an axis accepts setpoints, for those who own the clock: no allocation, no waiting
@@ -7,6 +8,7 @@
 //!
 //! Domain types go in and come out; the wire stays inside.
 
+mod address;
 mod buffer;
 mod error;
 mod join;
@@ -16,13 +18,15 @@ mod setpoints;
 use std::time::Duration;
 
 use planner::{Certificate, Judged, Plan, RequestSpec};
+use prost::Message;
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
-use proto::stream::{Columns, Open};
+use proto::stream::{Columns, FromAxis, Open};
 use proto::{Against, Chunk, Digest, pb};
 use tonic::Streaming;
-use tonic::transport::{Channel, Endpoint};
+use tonic::transport::Channel;
 
+pub use address::address;
 pub use buffer::{Buffer, Playing, Standing};
 pub use error::Error;
 pub use join::JoinRule;
@@ -33,6 +37,7 @@ pub use setpoints::Setpoints;
 #[derive(Clone, Debug)]
 pub struct Client {
     endpoint: String,
+    most_bytes: usize,
     planner: PlannerServiceClient<Channel>,
     setpoints: SetpointServiceClient<Channel>,
 }
@@ -42,19 +47,16 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// What a stream, and a connection, may hold unread \[bytes\]: larger than any lead, so that credit does the pacing.
 const STREAM_WINDOW: u32 = 4 << 20;
 const CONNECTION_WINDOW: u32 = 16 << 20;
-/// The largest message \[bytes\].
+/// The largest message where nothing else is said \[bytes\].
 const MAX_MESSAGE: usize = 64 << 20;
 
 impl Client {
     /// Connects to the server at `endpoint`: `http://127.0.0.1:50051`, or without the scheme.
     ///
     /// # Errors
-    /// [`Error::Unreachable`] where nobody answers, or where the address is none.
+    /// [`Error::Address`] where the address is none, [`Error::Unreachable`] where nobody answers.
     pub async fn connect(endpoint: &str) -> Result<Self, Error> {
-        let address = if endpoint.contains("://") { endpoint.into() } else { format!("http://{endpoint}") };
-        let unreachable = |error| Error::unreachable(endpoint, &error);
-        let channel = Endpoint::from_shared(address)
-            .map_err(unreachable)?
+        let channel = address(endpoint)?
             .connect_timeout(CONNECT_TIMEOUT)
             .initial_stream_window_size(STREAM_WINDOW)
             .initial_connection_window_size(CONNECTION_WINDOW)
@@ -63,14 +65,27 @@ impl Client {
             .tcp_nodelay(true)
             .connect()
             .await
-            .map_err(unreachable)?;
-        Ok(Self {
+            .map_err(|error| Error::unreachable(endpoint, &error))?;
+        let connected = Self {
             endpoint: endpoint.into(),
-            planner: PlannerServiceClient::new(channel.clone())
-                .max_decoding_message_size(MAX_MESSAGE)
-                .max_encoding_message_size(MAX_MESSAGE),
-            setpoints: SetpointServiceClient::new(channel).max_decoding_message_size(MAX_MESSAGE),
-        })
+            most_bytes: MAX_MESSAGE,
+            planner: PlannerServiceClient::new(channel.clone()),
+            setpoints: SetpointServiceClient::new(channel),
+        };
+        Ok(connected.with_message_limit(MAX_MESSAGE))
+    }
+
+    /// The same with another limit on messages, in either direction \[bytes\]: 64 MiB where nothing is said. Beyond it calls
+    /// end with [`Error::TooLarge`].
+    #[must_use]
+    pub fn with_message_limit(self, bytes: usize) -> Self {
+        let Self { endpoint, most_bytes: _, planner, setpoints } = self;
+        Self {
+            endpoint,
+            most_bytes: bytes,
+            planner: planner.max_decoding_message_size(bytes),
+            setpoints: setpoints.max_decoding_message_size(bytes),
+        }
     }
 
     /// Where the server is, as it was given.
@@ -84,7 +99,8 @@ impl Client {
     /// # Errors
     /// [`Error::Rejected`] with every invalid field, or with what cannot be met.
     pub async fn plan(&self, request: RequestSpec) -> Result<Judged, Error> {
-        let response = self.planner.clone().plan(pb::PlanRequest::from(request)).await;
+        let request = self.fits(pb::PlanRequest::from(request))?;
+        let response = self.planner.clone().plan(request).await;
         let plan = self.answer(response)?.plan.unwrap_or_default();
         Ok(Judged::new(proto::plan_from_wire(plan).map_err(Error::unreadable)?))
     }
@@ -98,7 +114,7 @@ impl Client {
             plan: Some(proto::plan_to_wire(&Judged::new(plan.clone()))),
             against: against.into_iter().map(Into::into).collect(),
         };
-        let response = self.planner.clone().verify_plan(request).await;
+        let response = self.planner.clone().verify_plan(self.fits(request)?).await;
         let certificate = self.answer(response)?.certificate.unwrap_or_default();
         certificate.try_into().map_err(Error::unreadable)
     }
@@ -110,7 +126,7 @@ impl Client {
     pub async fn sample(&self, plan: &Judged, first_cycle: u64, cycles: u64) -> Result<Samples, Error> {
         let plan = Some(proto::plan_to_wire(plan));
         let request = pb::SamplePlanRequest { plan, first_cycle, cycles };
-        let response = self.planner.clone().sample_plan(request).await;
+        let response = self.planner.clone().sample_plan(self.fits(request)?).await;
         Ok(Samples { endpoint: self.endpoint.clone(), incoming: self.answer(response)? })
     }
 
@@ -130,9 +146,14 @@ impl Client {
     /// Opens a stream of setpoints, as messages.
     ///
     /// # Errors
-    /// [`Error::Unreachable`]; refusals come as the first message.
+    /// [`Error::Unreachable`], [`Error::TooLarge`]; refusals come as the first message.
     pub async fn open(&self, open: Open) -> Result<(Reports, Link), Error> {
-        link::open(self.setpoints.clone(), &self.endpoint, open).await
+        let first = self.fits(proto::request_to_wire(&FromAxis::Open(Box::new(open))))?;
+        link::open(self.setpoints.clone(), &self.endpoint, first).await
+    }
+
+    fn fits<M: Message>(&self, request: M) -> Result<M, Error> {
+        Error::unless_fits(&self.endpoint, request, self.most_bytes)
     }
 
     fn answer<T>(&self, response: Result<tonic::Response<T>, tonic::Status>) -> Result<T, Error> {

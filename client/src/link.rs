@@ -1,6 +1,6 @@
 use proto::pb;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
-use proto::stream::{FromAxis, Open, Report, ToAxis};
+use proto::stream::{FromAxis, Report, ToAxis};
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::Streaming;
@@ -27,10 +27,9 @@ pub struct Link {
 pub(crate) async fn open(
     mut setpoints: SetpointServiceClient<Channel>,
     endpoint: &str,
-    open: Open,
+    first: pb::StreamSetpointsRequest,
 ) -> Result<(Reports, Link), Error> {
     let (outgoing, requests) = mpsc::channel(OUTBOX);
-    let first = proto::request_to_wire(&FromAxis::Open(Box::new(open)));
     let gone = || Error::Protocol("the stream ended before it began".into());
     outgoing.send(first).await.map_err(|_| gone())?;
     let response = setpoints.stream_setpoints(ReceiverStream::new(requests)).await;

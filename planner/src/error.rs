@@ -110,6 +110,12 @@ pub enum Why {
         /// The upper end [axis units].
         max: f64,
     },
+    /// A part without a default that was left out.
+    #[error("is not set: give {what}")]
+    Missing {
+        /// What belongs there.
+        what: &'static str,
+    },
     /// A choice that was not made.
     #[error("is not set: choose one of {choices}")]
     Unspecified {
@@ -177,6 +183,15 @@ pub enum Why {
     DuplicateAxis {
         /// The name.
         name: String,
+    },
+    /// No name.
+    #[error("is empty: give a name of 1 to {max} bytes", max = crate::MAX_NAME_BYTES)]
+    NameEmpty,
+    /// A name that does not fit on a line, or steers a terminal.
+    #[error("has the control character {given:?}: use characters that can be printed")]
+    NameControl {
+        /// The first of them.
+        given: char,
     },
     /// A name that nobody would read.
     #[error("has {given} bytes: a name has at most {allowed}, so shorten it")]

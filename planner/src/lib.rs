@@ -157,7 +157,8 @@ pub use pvt::{
 };
 pub use quantity::Quantity;
 pub use request::{
-    AxisKind, AxisMove, AxisMoveSpec, Family, MAX_AXES, MAX_NAME_BYTES, Request, RequestSpec, Synchronization,
+    AxisKind, AxisMove, AxisMoveSpec, Family, MAX_AXES, MAX_NAME_BYTES, Request, RequestSpec,
+    Synchronization, wrong_name,
 };
 pub use segment::{Law, MAX_TURNING_POINTS, Segment, Setpoint};
 pub use short_path::ShortPathPolicy;

@@ -153,6 +153,10 @@ impl TryFrom<LimitsSpec> for Limits {
             max_higher_derivatives,
             feed_rate,
         } = &spec;
+        if spec == LimitsSpec::default() {
+            let what = "max_velocity, max_acceleration and max_jerk";
+            return Err(InvalidFields::one(Field::default(), Why::Missing { what }));
+        }
         let mut invalid = InvalidFields::default();
         let mut positive = |name, value: Option<f64>| invalid.note(name, value.and_then(not_positive));
         positive("max_velocity", Some(*max_velocity));

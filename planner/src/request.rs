@@ -261,16 +261,28 @@ fn checked_axes(
     axes
 }
 
-/// Reports every axis whose name is too long, or was taken before it.
+/// What is wrong with the name of an axis or a stream; nothing if it is one: 1 to [`MAX_NAME_BYTES`] bytes, none of them a
+/// control character, since names stand in tables and logs.
+#[must_use]
+pub fn wrong_name(name: &str) -> Option<Why> {
+    if name.is_empty() {
+        return Some(Why::NameEmpty);
+    }
+    if name.len() > MAX_NAME_BYTES {
+        return Some(Why::NameTooLong { given: name.len(), allowed: MAX_NAME_BYTES });
+    }
+    name.chars().find(|character| character.is_control()).map(|given| Why::NameControl { given })
+}
+
+/// Reports every axis whose name is none, or was taken before it.
 pub(crate) fn note_names<'a>(invalid: &mut InvalidFields, names: impl Iterator<Item = &'a str> + Clone) {
     for (index, name) in names.clone().enumerate() {
-        if name.len() > MAX_NAME_BYTES {
+        let taken = || names.clone().take(index).any(|before| before == name);
+        if let Some(why) =
+            wrong_name(name).or_else(|| taken().then(|| Why::DuplicateAxis { name: name.into() }))
+        {
             let field = Field::named("axis").within(&Field::element("axes", index));
-            let why = Why::NameTooLong { given: name.len(), allowed: MAX_NAME_BYTES };
             invalid.note(field.as_str(), Some(why));
-        } else if names.clone().take(index).any(|before| before == name) {
-            let field = Field::named("axis").within(&Field::element("axes", index));
-            invalid.note(field.as_str(), Some(Why::DuplicateAxis { name: name.into() }));
         }
     }
 }

@@ -81,6 +81,24 @@ reasons! {
         OverrideOutOfRange "OVERRIDE_OUT_OF_RANGE"
             "The override factor is negative, or so large that the velocity limit would be exceeded. Stay between \
              0 and max_velocity / feed_rate."
+        FieldMissing "FIELD_MISSING"
+            "A part that has no default is not there. Set the field that is named: a plan, the limits of an axis, an \
+             endpoint."
+        ValueOutOfRange "VALUE_OUT_OF_RANGE"
+            "A value is outside the range that has a meaning there. Stay within the least and the greatest value that \
+             the error names."
+        NameInvalid "NAME_INVALID"
+            "A name is empty, longer than 256 bytes, or has control characters. Give a name that can be read and \
+             printed, as x or cell-7/x."
+        EndpointInvalid "ENDPOINT_INVALID"
+            "An endpoint is not an address that can be connected to. Write it as http://host:port; encryption is not \
+             offered yet."
+        MessageInvalid "MESSAGE_INVALID"
+            "The text or the bytes are not a message of the schema: no JSON, an unknown field, a broken encoding. Compare \
+             with the schema at the place that is named, and write numbers that JSON knows."
+        ServoUnstable "SERVO_UNSTABLE"
+            "The loops of the servo are unstable on this axis: any motion of it would grow without bound. Leave \
+             velocity_gain and velocity_integral_time at 0, which tunes them, with a position_gain up to the one named."
         ProtocolOrder "PROTOCOL_ORDER"
             "A message came when it must not, or without a part that it needs. Open a stream with exactly one Open \
              as the first message, and set exactly one member of each choice."
@@ -118,6 +136,12 @@ reasons! {
         JoinMismatch "JOIN_MISMATCH"
             "The motion does not begin in the state in which the axis stands or moves. Plan from the commanded state \
              of the axis and open again."
+        NotAPlanner "NOT_A_PLANNER"
+            "Somebody answers at the endpoint, and not as a planner of this version does. Name the address of a planner, \
+             and compare versions."
+        AxisDiverged "AXIS_DIVERGED"
+            "The simulated axis has left its setpoints beyond any sense, and the run was ended there. Lower the gains, \
+             raise max_effort, or ask for less acceleration."
     }
     OutOfRange {
         AppendTooLate "APPEND_TOO_LATE"
@@ -167,7 +191,8 @@ reasons! {
             "The server serves as many streams as it may. Open on another replica, close streams that are not \
              needed, or raise the server's limit that is named."
         MessageTooLarge "MESSAGE_TOO_LARGE"
-            "The message is larger than the server reads. Split the request, or raise the server's limit that is named."
+            "A message, asked or answered, is larger than one side takes. Split the request, ask for less at a time, or \
+             raise the limit that is named on the side that is named."
         Overloaded "OVERLOADED"
             "The server has more to do than it can finish in time. Try again after a while, on another replica if \
              there is one."
@@ -175,6 +200,12 @@ reasons! {
     Unavailable {
         Draining "DRAINING"
             "The server is about to stop and takes no new work. Open or call on another replica at once."
+        PlannerUnreachable "PLANNER_UNREACHABLE"
+            "None of the planners that were named answers the axis; nothing has moved. Start one, or name the address \
+             as the axis reaches it, which need not be as you do."
+        StreamBroken "STREAM_BROKEN"
+            "The stream to the planner broke off before the motion had ended, and the axis holds where its last setpoint \
+             was. Plan from where it stands, as the report before says, and run again."
     }
     Unimplemented {
         NotImplemented "NOT_IMPLEMENTED"

@@ -33,12 +33,12 @@ impl Sampling {
     /// Reads `cycles` cycles from `first` on, or to the end of the plan for 0, or where they are more than there are.
     ///
     /// # Errors
-    /// [`Reason::ResumePastEnd`] where the plan has no cycle `first`.
+    /// [`Reason::ValueOutOfRange`] where the plan has no cycle `first`.
     pub fn new(plan: Accepted, first: u64, cycles: u64) -> Result<Self, Rejected> {
         let end = plan.plan().cycle_count();
         if first > end {
-            let text = format!("first_cycle {first} is past {end}, the last cycle of the plan");
-            let rejected = Rejected::new(Reason::ResumePastEnd, text);
+            let description = format!("is {first}, past the last cycle of the plan: give 0 to {end}");
+            let rejected = Rejected::for_field("first_cycle", Reason::ValueOutOfRange, description);
             return Err(rejected.with("given", first).with("nearest", end));
         }
         let last = if cycles == 0 { end } else { end.min(first.saturating_add(cycles - 1)) };

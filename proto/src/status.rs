@@ -58,6 +58,13 @@ impl Rejected {
         Self { reason, message: message.into(), fields: Vec::new(), metadata: BTreeMap::new() }
     }
 
+    /// The refusal of a request for one invalid field.
+    pub fn for_field(field: impl Into<String>, reason: Reason, description: impl Into<String>) -> Self {
+        let violation = FieldViolation::new(field, reason, description);
+        let message = format!("{}: {}", violation.field, violation.description);
+        Self { fields: vec![violation], ..Self::new(reason, message) }
+    }
+
     /// The refusal of a request for its invalid fields, or `None` if there are none. The reason is that of the
     /// first field.
     pub fn for_fields(fields: Vec<FieldViolation>) -> Option<Self> {

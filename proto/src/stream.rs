@@ -3,6 +3,8 @@
 //! Time on a stream is the cycle index. Cycle 0 is the state in which the axis stands: executed and accepted, never sent,
 //! not in the digest.
 
+use std::ops::RangeInclusive;
+
 use planner::{Accepted, Plan, Setpoint};
 
 use crate::{Digest, Rejected};
@@ -38,13 +40,13 @@ pub enum ToAxis {
 pub struct Open {
     /// The stream's name, chosen by the axis: `cell-7/x`.
     pub stream: String,
-    /// Chosen by the axis, larger at every open.
+    /// Chosen by the axis, above 0 and larger at every open.
     pub epoch: u64,
-    /// How far ahead the axis wants to hold setpoints \[cycles\]; also the first grant.
+    /// How far ahead the axis wants to hold setpoints \[cycles\], within [`LEAD_CYCLES`]; also the first grant.
     pub lead_cycles: u32,
-    /// How many cycles go into a batch at most.
+    /// How many cycles go into a batch at most, within [`BATCH_CYCLES`].
     pub batch_cycles: u32,
-    /// A replacing batch begins later than executed + this \[cycles\].
+    /// A replacing batch begins later than executed + this \[cycles\], which is less than the lead.
     pub axis_guard: u32,
     /// Finish when the plan ends, instead of standing still?
     pub close_at_rest: bool,
@@ -62,6 +64,10 @@ pub const DEFAULT_LEAD_CYCLES: u32 = 40;
 pub const DEFAULT_BATCH_CYCLES: u32 = 10;
 /// How far beyond the executed cycle a replacing batch begins where the axis does not say \[cycles\].
 pub const DEFAULT_AXIS_GUARD: u32 = 2;
+/// How far ahead an axis may hold setpoints \[cycles\]: less is used up by one late packet, more reacts too late.
+pub const LEAD_CYCLES: RangeInclusive<u32> = 10..=250;
+/// How many cycles may go into a batch: it bounds the size of a message.
+pub const BATCH_CYCLES: RangeInclusive<u32> = 1..=1000;
 /// The farthest that a server sends past the reported executed cycle \[cycles\], whatever is granted.
 pub const FARTHEST_AHEAD: u64 = 4096;
 
@@ -371,7 +377,7 @@ pub struct Counters {
     pub refused_batches: u64,
     /// Messages of an epoch that is over.
     pub stale_epochs: u64,
-    /// The fewest cycles held and not executed, while more were to come.
+    /// The fewest cycles held and not executed, while more of the motion was to come.
     pub least_lead_cycles: u64,
     /// Cycles that began late and were made up for.
     pub late_cycles: u64,

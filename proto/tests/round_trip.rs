@@ -205,14 +205,10 @@ fn every_invalid_field_is_named_at_once() {
             "family",
             "axes[1].axis",
             "axes[0].kind",
-            "axes[0].limits.max_velocity",
-            "axes[0].limits.max_acceleration",
-            "axes[0].limits.max_jerk",
+            "axes[0].limits",
             "axes[0].goal.position",
             "axes[1].kind",
-            "axes[1].limits.max_velocity",
-            "axes[1].limits.max_acceleration",
-            "axes[1].limits.max_jerk",
+            "axes[1].limits",
             "axes[1].goal.position",
             "synchronization",
         ]
@@ -259,7 +255,7 @@ fn refusals_of_the_families_have_their_reasons() {
     let mut no_snap = polynomial(Some(4));
     no_snap.axes[0].limits.max_snap = None;
     let field = "axes[0].limits.max_snap".into();
-    assert_eq!(reason(no_snap), (proto::Reason::LimitNotPositive, field));
+    assert_eq!(reason(no_snap), (proto::Reason::FieldMissing, field));
     let mut moving = smoother(1.0, 1.0, pb::ProfileFamily::Trigonometric, None);
     moving.axes[0].start.velocity = 0.25;
     let field = "axes[0].start.velocity".into();

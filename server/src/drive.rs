@@ -2,10 +2,10 @@
 
 use proto::stream::{FromAxis, Open};
 use proto::{Reason, Rejected, pb, request_from_wire, response_to_wire};
+use serving::Leaving;
 use tokio::sync::mpsc;
 use tonic::{Status, Streaming};
 
-use crate::Leaving;
 use crate::session::{Event, Output, Session};
 use crate::streams::{Claim, Streams};
 
@@ -75,11 +75,11 @@ async fn serve(
                     session.handle(Event::Superseded { by });
                 }
             }
-            () = leaving.soon.cancelled(), if !drained => {
+            () = leaving.begun(), if !drained => {
                 drained = true;
                 session.handle(Event::Drain);
             }
-            () = leaving.now.cancelled(), if !session.is_ending() => session.handle(Event::Leave),
+            () = leaving.due(), if !session.is_ending() => session.handle(Event::Leave),
             event = next_event(&mut incoming), if !session.is_ending() => session.handle(event),
             permit = outgoing.reserve(), if session.has_output() => {
                 let Ok(permit) = permit else { return };
@@ -105,9 +105,9 @@ async fn next_event(incoming: &mut Incoming) -> Event {
             Err(rejected) => Event::Unreadable(rejected),
         },
         Ok(None) => Event::AxisClosed,
-        Err(status) => {
-            let text = format!("the message cannot be read: {}", status.message());
-            Event::Unreadable(Rejected::new(Reason::ProtocolOrder, text))
-        }
+        Err(status) => Event::Unreadable(Rejected::from_status(&status).unwrap_or_else(|| {
+            let text = format!("the message cannot be read: {}; compare with the schema", status.message());
+            Rejected::new(Reason::MessageInvalid, text)
+        })),
     }
 }

@@ -328,5 +328,5 @@ fn a_server_that_leaves_says_so() {
 #[test]
 fn an_open_with_a_past_is_refused() {
     let rejected = Session::open(Open { executed_cycle: 7, ..open(plan(0.0)) }, "test").unwrap_err();
-    assert_eq!(rejected.reason, Reason::ProtocolOrder);
+    assert_eq!(rejected.reason, Reason::ValueOutOfRange);
 }

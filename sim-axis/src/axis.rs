@@ -1,11 +1,12 @@
-use crate::audit::{LEAST_SUBSTEP, MOST_SUBSTEP};
+use crate::audit::{LEAST_GAIN, LEAST_SUBSTEP, MOST_SUBSTEP};
 use crate::delay::DelayLine;
 use crate::encoder::{Encoder, Measured};
 use crate::interpolate::Quintic;
-use crate::model::AxisModel;
+use crate::model::{AxisModel, AxisModelSpec};
 use crate::monitor::{Monitor, ReportCard, Sight};
 use crate::plant::Plant;
 use crate::servo::{Decision, Memory, Servo};
+use crate::stability;
 use planner::State;
 
 /// How an axis is run and watched.
@@ -69,6 +70,19 @@ pub enum InvalidConfig {
         /// [axis units/s]
         velocity: f64,
     },
+    /// Loops that grow by themselves.
+    #[error(
+        "the loops of the servo grow by {growth} per substep of {substep} s, and are stable up to 1: leave velocity_gain \
+         and velocity_integral_time at 0, which tunes them, with a position_gain of at most {position_gain}"
+    )]
+    Unstable {
+        /// The largest magnitude of an eigenvalue of the closed loop, per substep [1].
+        growth: f64,
+        /// [s]
+        substep: f64,
+        /// One that is stable where the velocity loop is tuned to it [1/s].
+        position_gain: f64,
+    },
     /// A share of the effort below nothing or above all.
     #[error("an effort scale of {scale} is outside 0 to 1: 1 is the whole effort of the model")]
     EffortScale {
@@ -92,6 +106,9 @@ pub struct Observation {
     pub effort: f64,
     /// The drive wanted more effort than the limit in some substep of the cycle.
     pub saturated: bool,
+    /// The axis has left its setpoints beyond any sense, and stands still in what is said of it since: see
+    /// [`Axis::has_diverged`].
+    pub diverged: bool,
 }
 
 /// One axis: a drive, a plant, and somebody who watches.
@@ -128,13 +145,18 @@ pub struct Axis {
     /// The last setpoint [mechanical units].
     setpoint: State,
     measured: Measured,
+    /// Where the first setpoint was, and how far others went from it [mechanical units].
+    origin: f64,
+    travel: f64,
+    has_diverged: bool,
 }
 
 impl Axis {
     /// The axis of `model`, which so far has stood at `start` or moved steadily through it [axis units]: cycle 0.
     ///
     /// # Errors
-    /// Where the cycle, the settle window, the tolerance or the start cannot be simulated.
+    /// Where the cycle, the settle window, the tolerance or the start cannot be simulated, and where the loops of the servo
+    /// are unstable.
     pub fn new(model: &AxisModel, config: AxisConfig, start: &State) -> Result<Self, InvalidConfig> {
         let spec = model.spec();
         let substeps = substeps(config.cycle, spec.servo.substep)?;
@@ -148,6 +170,7 @@ impl Axis {
         let mut encoder = Encoder::new(spec.encoder.resolution, spec.noise_seed, substep, plant.motor());
         let measured = encoder.read(plant.motor());
         let servo = Servo::new(model, substep);
+        check_stability(model, substep)?;
         let delayed = libm::round(spec.servo.command_delay / substep) as usize;
         let tolerance = config.settle_tolerance / spec.pulses_per_unit;
         Ok(Self {
@@ -163,6 +186,9 @@ impl Axis {
             full_servo: servo,
             delay: DelayLine::new(delayed, setpoint),
             memory: Memory::default(),
+            origin: setpoint.position,
+            travel: 0.0,
+            has_diverged: false,
             setpoint,
             measured,
         })
@@ -193,6 +219,16 @@ impl Axis {
         self.monitor.window_is_over()
     }
 
+    /// Has the axis left its setpoints beyond any sense: by more than a thousand times its travel, or of 1 m or rad if that
+    /// is more, or to where there are no numbers? Nothing since then is in the report.
+    ///
+    /// Stable loops do not: a lag is at most the travel, and what winds up at an effort limit a few times that. It is what is
+    /// left to happen where friction, limits and counts make a loop worse than its linear part.
+    #[must_use]
+    pub fn has_diverged(&self) -> bool {
+        self.has_diverged
+    }
+
     /// How the axis has done so far. Fits the residual vibration: takes milliseconds, not for a control cycle.
     #[must_use]
     pub fn report(&self) -> ReportCard {
@@ -220,6 +256,7 @@ impl Axis {
     fn advance(&mut self, next: State) -> Observation {
         let path = Quintic::through(self.setpoint, next, self.cycle);
         self.monitor.head_for(&next);
+        self.travel = self.travel.max((next.position - self.origin).abs());
         let mut from = self.setpoint;
         let mut saturated = false;
         let mut effort = 0.0;
@@ -245,13 +282,24 @@ impl Axis {
         self.plant.apply(decision.effort, from, to);
         self.measured = self.encoder.read(self.plant.motor());
         let seen = Sight {
+            commanded_position: to.position,
             following_error: to.position - self.measured.position,
             load_position: self.plant.load().position,
             effort: if self.plant.is_driven() { decision.effort } else { -self.plant.spring_effort() },
             saturated: decision.saturated,
         };
-        self.monitor.observe(&seen);
+        self.has_diverged |= !self.makes_sense(&seen);
+        if !self.has_diverged {
+            self.monitor.observe(&seen);
+        }
         seen
+    }
+
+    /// False where there are no numbers.
+    fn makes_sense(&self, seen: &Sight) -> bool {
+        let most = DIVERGENCE * self.travel.max(LEAST_TRAVEL);
+        let load_error = seen.commanded_position - seen.load_position;
+        seen.following_error.abs() <= most && load_error.abs() <= most && seen.effort.is_finite()
     }
 
     fn observation(&self, effort: f64, saturated: bool) -> Observation {
@@ -263,8 +311,24 @@ impl Axis {
             following_error: (self.setpoint.position - position) * self.pulses_per_unit,
             effort,
             saturated,
+            diverged: self.has_diverged,
         }
     }
+}
+
+fn check_stability(model: &AxisModel, substep: f64) -> Result<(), InvalidConfig> {
+    let growth = |model: &AxisModel| {
+        let AxisModelSpec { mechanics, encoder, .. } = model.spec();
+        stability::growth(mechanics, &Servo::new(model, substep), encoder.resolution > 0.0, substep)
+            .filter(|growth| *growth > 1.0 + stability::SLACK)
+    };
+    let Some(given) = growth(model) else { return Ok(()) };
+    // Loops slow enough are stable: the drive then sees a mass, whatever hangs on it.
+    let mut position_gain = model.spec().servo.position_gain;
+    while position_gain / 2.0 >= LEAST_GAIN && growth(&model.tuned_to(position_gain)).is_some() {
+        position_gain /= 2.0;
+    }
+    Err(InvalidConfig::Unstable { growth: given, substep, position_gain })
 }
 
 const UNDRIVEN: Decision =
@@ -306,6 +370,10 @@ fn settle_cycles(config: &AxisConfig) -> Result<usize, InvalidConfig> {
     Ok(libm::ceil(window / cycle * (1.0 - DIVISION_SLACK)) as usize)
 }
 
+/// Beyond so many times its travel no axis that works is away from its setpoint [1].
+const DIVERGENCE: f64 = 1000.0;
+/// What counts as travel at least [m or rad]: an axis that is to stand still moves a little, too.
+const LEAST_TRAVEL: f64 = 1.0;
 /// Slack on a ratio of two decimal fractions of a second [1]: their own rounding is 1e-16, nobody means 1e-9.
 const DIVISION_SLACK: f64 = 1e-9;
 /// Slowest cycle [s]: slower ones are way points, not setpoints.
@@ -315,6 +383,49 @@ pub(crate) const MOST_SETTLE_WINDOW: f64 = 60.0;
 
 #[cfg(test)]
 mod tests {
+    use super::*;
+    use crate::model::{LoadSpec, MechanicsSpec, ServoSpec};
+
+    #[test]
+    fn unstable_loops_are_refused_and_gentler_ones_named() {
+        let config = AxisConfig { cycle: 1e-3, settle_window: 0.1, settle_tolerance: 1e-5 };
+        let ideal = AxisModelSpec::ideal("x");
+        let spec = |position_gain, velocity_gain| AxisModelSpec {
+            mechanics: MechanicsSpec { load: LoadSpec::Rigid { inertia: 10.0 }, ..ideal.mechanics },
+            servo: ServoSpec { position_gain, velocity_gain, ..ServoSpec::default() },
+            ..ideal.clone()
+        };
+        let axis = |spec| Axis::new(&AxisModel::try_from(spec).unwrap(), config, &State::default());
+        for (position_gain, velocity_gain) in [(1e4, 1e4), (1e4, 0.0), (50.0, 1e6)] {
+            let refused = axis(spec(position_gain, velocity_gain)).unwrap_err();
+            let InvalidConfig::Unstable { growth, position_gain, .. } = refused else { panic!("{refused}") };
+            assert!(growth > 1.0 && position_gain >= 50.0, "{refused}");
+            assert!(axis(spec(position_gain, 0.0)).is_ok(), "{refused}");
+        }
+    }
+
+    #[test]
+    fn an_ideal_follower_overshoots_by_nothing() {
+        let config = AxisConfig { cycle: 1e-3, settle_window: 0.01, settle_tolerance: 1e-5 };
+        for end in [0.314_159, 0.3, 0.000_4] {
+            // At rest at 1 after `end` seconds, which is within a cycle.
+            let at = |n: i32| {
+                let t = (f64::from(n) * 1e-3 - end).min(0.0);
+                let start = State { position: 1.0, velocity: 0.0, acceleration: 0.0 };
+                start.after(100.0, t)
+            };
+            let mut axis = Axis::new(&AxisModel::ideal("x"), config, &at(0)).unwrap();
+            for n in 1..=320 {
+                axis.step(&at(n));
+            }
+            axis.begin_settling();
+            while !axis.settle_window_is_over() {
+                axis.rest();
+            }
+            assert_eq!(axis.report().overshoot.to_bits(), 0);
+        }
+    }
+
     #[test]
     fn a_cycle_is_cut_into_substeps_that_divide_it() {
         let rows: [(f64, f64, Result<usize, &str>); 8] = [

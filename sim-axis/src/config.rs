@@ -1,64 +1,38 @@
-use std::net::{Ipv4Addr, SocketAddr};
-use std::time::Duration;
+use serving::{Misfits, Settings};
 
 use crate::models::Models;
 
 /// Everything that can be set, with its default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Config {
-    /// Where to listen; port 0 takes any free one.
-    pub listen: SocketAddr,
-    /// Serve other machines without encryption?
-    pub insecure: bool,
+    /// Port, limits of messages and how to leave.
+    pub serving: Settings,
     /// The axes of this process.
     pub models: Models,
-    /// How long runs may take to end after the signal to stop.
-    pub drain_deadline: Duration,
     /// The most runs at a time: each has a thread of its own.
     pub max_runs: usize,
-    /// The largest request [bytes].
-    pub max_message_bytes: usize,
 }
 
 impl Default for Config {
     fn default() -> Self {
-        Self {
-            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 50052)),
-            insecure: false,
-            models: Models::default(),
-            drain_deadline: Duration::from_secs(10),
-            max_runs: 64,
-            max_message_bytes: 16 << 20,
-        }
+        Self { serving: Settings::on_port(50052), models: Models::default(), max_runs: 64 }
     }
-}
-
-/// A setting that cannot be.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ConfigError {
-    /// An address that other machines reach.
-    #[error(
-        "listen is {0}, which other machines reach, and there is no encryption: listen on 127.0.0.1, or pass \
-         --insecure on a network of your own"
-    )]
-    Insecure(SocketAddr),
 }
 
 impl Config {
     /// An axis on any free port of this machine.
     #[must_use]
     pub fn loopback() -> Self {
-        Self { listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)), ..Self::default() }
+        Self { serving: Settings::on_port(0), ..Self::default() }
     }
 
-    /// Is there anything that cannot be?
-    ///
-    /// # Errors
-    /// An address that other machines reach, without `insecure`.
-    pub fn check(&self) -> Result<(), ConfigError> {
-        if !self.insecure && !self.listen.ip().is_loopback() {
-            return Err(ConfigError::Insecure(self.listen));
+    /// Everything that cannot be.
+    #[must_use]
+    pub fn misfits(&self) -> Misfits {
+        let mut misfits = self.serving.misfits();
+        if self.max_runs == 0 {
+            misfits.note("max-runs", "is 0, so that no axis could move: give 1 or more");
         }
-        Ok(())
+        misfits
     }
 }

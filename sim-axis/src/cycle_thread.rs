@@ -200,10 +200,17 @@ impl Inside {
         Ok(())
     }
 
-    /// One cycle after the other, as data is there and samples are read.
+    /// One cycle after the other, as data is there and samples are read. While nothing moves, time stands still: a stream
+    /// that stays open would else be a flood of setpoints at rest.
     fn hurry(&mut self) -> Result<(), Abandoned> {
         while !self.player.is_over() {
             self.take_in()?;
+            if self.player.is_at_standstill() {
+                self.put_out_report();
+                self.put_out_chunk();
+                thread::park();
+                continue;
+            }
             if self.player.is_short_of_data() || !self.has_chunk() {
                 self.put_out_report();
                 thread::park();
@@ -251,7 +258,7 @@ impl Inside {
         }
         let has_number = match beat {
             Beat::Played | Beat::Rested => true,
-            Beat::Waited | Beat::Starved | Beat::Over => false,
+            Beat::Waited | Beat::Starved | Beat::Diverged | Beat::Over => false,
         };
         if has_number && self.has_chunk() {
             let Some(chunk) = &mut self.chunk else { return };

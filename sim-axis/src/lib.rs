@@ -48,12 +48,13 @@ mod run;
 mod samples;
 mod service;
 mod servo;
+mod stability;
 mod vibration;
 
 pub use audit::{InvalidField, InvalidModel};
 pub use axis::{Axis, AxisConfig, InvalidConfig, Observation};
 pub use clock::Clock;
-pub use config::{Config, ConfigError};
+pub use config::Config;
 pub use encoder::{Encoder, Measured};
 pub use interpolate::Quintic;
 pub use jitter::{Jitter, Lateness};
@@ -61,12 +62,13 @@ pub use model::{AxisModel, AxisModelSpec, EncoderSpec, FrictionSpec, LoadSpec, M
 pub use models::{InvalidModels, Models};
 pub use monitor::ReportCard;
 pub use plant::Plant;
-pub use player::{Beat, Player};
+pub use player::{Beat, Divergence, Player};
 pub use rpc::{ModelFileError, RemoteAxis, RemoteRun, models_from_json};
 pub use run::{
     DEFAULT_SETTLE_WINDOW, StreamReport, TrackError, TrackRequest, Tracking, TrackingReport, Update,
     default_settle_tolerance, track,
 };
 pub use samples::Samples;
-pub use service::{SimAxis, SimAxisError};
+pub use service::SimAxis;
+pub use serving::{Misfits, ServeError, Settings};
 pub use servo::{Decision, Memory, Servo};

@@ -5,14 +5,10 @@
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
 
 use clap::{Parser, Subcommand};
-use sim_axis::{Config, Models, SimAxis, SimAxisError};
-use tokio::signal::unix::{SignalKind, signal};
-use tonic_health::pb::HealthCheckRequest;
-use tonic_health::pb::health_check_response::ServingStatus;
-use tonic_health::pb::health_client::HealthClient;
+use serving::{Exit, Settings, seconds, told_to_stop};
+use sim_axis::{Config, Models, SimAxis};
 
 /// Simulates servo axes that follow streams of setpoints, and tells how well they did, over gRPC.
 #[derive(Debug, Parser)]
@@ -38,11 +34,20 @@ struct Args {
     #[arg(long, env = "PORTAMENTO_SIM_AXIS_MODEL", value_name = "FILE.json")]
     model: Option<PathBuf>,
     /// How long runs may take to end after SIGTERM [s].
-    #[arg(long, env = "PORTAMENTO_DRAIN_DEADLINE", default_value_t = 10.0, value_name = "SECONDS")]
+    #[arg(
+        long,
+        env = "PORTAMENTO_DRAIN_DEADLINE",
+        default_value_t = 10.0,
+        value_name = "SECONDS",
+        allow_negative_numbers = true
+    )]
     drain_deadline: f64,
     /// The most runs at a time.
     #[arg(long, env = "PORTAMENTO_SIM_AXIS_MAX_RUNS", default_value_t = 64, value_name = "COUNT")]
     max_runs: usize,
+    /// The largest message that is read or sent [bytes].
+    #[arg(long, env = "PORTAMENTO_MAX_MESSAGE_BYTES", default_value_t = 16 << 20, value_name = "COUNT")]
+    max_message_bytes: usize,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -53,90 +58,35 @@ enum Command {
     Healthcheck,
 }
 
-/// A setting is wrong.
-const EXIT_USAGE: u8 = 64;
-
 fn main() -> ExitCode {
-    let args = Args::parse();
-    tracing_subscriber::fmt()
-        .with_env_filter(
-            tracing_subscriber::EnvFilter::try_from_default_env().unwrap_or_else(|_| "info".into()),
-        )
-        .with_writer(std::io::stderr)
-        .init();
-    let runtime = match tokio::runtime::Builder::new_multi_thread().enable_all().build() {
-        Ok(runtime) => runtime,
-        Err(error) => return failed(&format!("cannot start: {error}"), 1),
-    };
-    runtime.block_on(async {
-        match args.command {
-            Some(Command::Healthcheck) => healthcheck(args.listen).await,
-            None => serve(args).await,
+    serving::process("portamento-sim-axis", async |args: Args| match args.command {
+        Some(Command::Healthcheck) => serving::healthcheck(args.listen, "motion.v1.SimAxisService").await,
+        None => {
+            let axis = SimAxis::bind(config(args)?).await?;
+            Ok(axis.run(told_to_stop()?).await?)
         }
     })
 }
 
-async fn serve(args: Args) -> ExitCode {
-    let Args { listen, insecure, model, drain_deadline, max_runs, command: _ } = args;
-    let models = match model.as_deref().map_or(Ok(Models::default()), read_models) {
-        Ok(models) => models,
-        Err(text) => return failed(&text, EXIT_USAGE),
-    };
-    let Ok(drain_deadline) = Duration::try_from_secs_f64(drain_deadline) else {
-        return failed(&format!("drain-deadline is {drain_deadline}: give seconds, 0 or more"), EXIT_USAGE);
-    };
-    let config = Config { listen, insecure, models, drain_deadline, max_runs, ..Config::default() };
-    let axis = match SimAxis::bind(config).await {
-        Ok(axis) => axis,
-        Err(error @ SimAxisError::Config(_)) => return failed(&error.to_string(), EXIT_USAGE),
-        Err(error) => return failed(&error.to_string(), 1),
-    };
-    // As the first process of a container there is no default action for SIGTERM: it has to be taken.
-    let (mut terminate, mut interrupt) =
-        match (signal(SignalKind::terminate()), signal(SignalKind::interrupt())) {
-            (Ok(terminate), Ok(interrupt)) => (terminate, interrupt),
-            (Err(error), _) | (_, Err(error)) => return failed(&format!("cannot take signals: {error}"), 1),
-        };
-    let stop = async move {
-        tokio::select! {
-            _ = terminate.recv() => {}
-            _ = interrupt.recv() => {}
-        }
-    };
-    match axis.run(stop).await {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => failed(&error.to_string(), 1),
+/// The settings, or everything that is wrong with them.
+fn config(args: Args) -> Result<Config, Exit> {
+    let Args { listen, insecure, model, drain_deadline, max_runs, max_message_bytes, command: _ } = args;
+    let settings = Settings { listen, insecure, max_message_bytes, ..Settings::on_port(0) };
+    let mut config = Config { serving: settings, max_runs, ..Config::default() };
+    let mut misfits = config.misfits();
+    match seconds(drain_deadline) {
+        Ok(deadline) => config.serving.drain_deadline = deadline,
+        Err(problem) => misfits.note("drain-deadline", problem),
     }
+    match model.as_deref().map_or(Ok(Models::default()), read_models) {
+        Ok(models) => config.models = models,
+        Err(problem) => misfits.note("model", problem),
+    }
+    Ok(misfits.into_result(config)?)
 }
 
 fn read_models(path: &Path) -> Result<Models, String> {
-    let said = |error: &dyn std::fmt::Display| format!("model {}: {error}", path.display());
+    let said = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
     let text = std::fs::read_to_string(path).map_err(|error| said(&error))?;
     sim_axis::models_from_json(&text).map_err(|error| said(&error))
-}
-
-async fn healthcheck(listen: SocketAddr) -> ExitCode {
-    let address =
-        if listen.ip().is_unspecified() { SocketAddr::from(([127, 0, 0, 1], listen.port())) } else { listen };
-    let asked = async {
-        let endpoint = tonic::transport::Endpoint::from_shared(format!("http://{address}"));
-        let channel = endpoint.map_err(|e| e.to_string())?.connect().await.map_err(|e| e.to_string())?;
-        let mut client = HealthClient::new(channel);
-        let service = "motion.v1.SimAxisService".to_owned();
-        let answer = client.check(HealthCheckRequest { service }).await.map_err(|e| e.to_string())?;
-        Ok::<_, String>(answer.into_inner().status())
-    };
-    match tokio::time::timeout(Duration::from_secs(2), asked).await {
-        Ok(Ok(ServingStatus::Serving)) => ExitCode::SUCCESS,
-        Ok(Ok(status)) => failed(&format!("the simulator at {address} is {}", status.as_str_name()), 1),
-        Ok(Err(error)) => failed(&format!("no answer from {address}: {error}"), 1),
-        Err(_) => failed(&format!("no answer from {address} within 2 s"), 1),
-    }
-}
-
-fn failed(text: &str, code: u8) -> ExitCode {
-    use std::io::Write as _;
-    // Where standard error is closed, the exit code has to do.
-    let _ = writeln!(std::io::stderr(), "portamento-sim-axis: {text}");
-    ExitCode::from(code)
 }

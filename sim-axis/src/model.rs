@@ -240,6 +240,15 @@ impl AxisModel {
         Self(AxisModelSpec { axis: axis.into(), ..self.0.clone() })
     }
 
+    /// The same axis with its loops tuned to a position gain of `position_gain` [1/s].
+    pub(crate) fn tuned_to(&self, position_gain: f64) -> Self {
+        let mut spec = self.0.clone();
+        let servo =
+            ServoSpec { position_gain, velocity_gain: 0.0, velocity_integral_time: 0.0, ..spec.servo };
+        spec.servo = servo.tuned(spec.mechanics.load.driven_inertia());
+        Self(spec)
+    }
+
     /// The model in numbers, with every default filled in (the substep apart: 0 waits for the cycle).
     #[must_use]
     pub fn spec(&self) -> &AxisModelSpec {

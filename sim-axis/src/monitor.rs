@@ -13,7 +13,8 @@ pub struct ReportCard {
     /// Root mean square of commanded − measured over the substeps of the motion [axis units].
     pub rms_following_error: f64,
     /// Largest excursion of the load past the goal, in the direction of travel, since the commanded motion last
-    /// turned round [axis units]; 0 while no goal is known.
+    /// turned round, and past what the commanded motion itself reaches beyond it between two setpoints [axis units]; 0
+    /// while no goal is known.
     pub overshoot: f64,
     /// From the last setpoint until the load is within the tolerance of the goal for good [s], to a substep;
     /// `None`: not within the window.
@@ -33,6 +34,8 @@ pub struct ReportCard {
 /// What is seen of an axis at the end of one substep [mechanical units].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight {
+    /// Where the axis should be: between two setpoints, on the way that the drive fills in.
+    pub(crate) commanded_position: f64,
     pub(crate) following_error: f64,
     pub(crate) load_position: f64,
     /// Over the substep that ends here [N or N m].
@@ -100,7 +103,7 @@ impl Monitor {
             return;
         }
         self.substeps += 1;
-        self.travel.observe(seen.load_position);
+        self.travel.observe(seen);
         self.max_effort = self.max_effort.max(seen.effort.abs());
         self.saturated_substeps += u64::from(seen.saturated);
         match &mut self.phase {
@@ -185,12 +188,20 @@ struct Travel {
     top_speed: f64,
     /// Furthest load position, counted in the direction.
     furthest: f64,
+    /// Furthest commanded position, counted in the direction.
+    furthest_commanded: f64,
     load_position: f64,
 }
 
 impl Travel {
     fn new(load_position: f64) -> Self {
-        Self { direction: 0.0, top_speed: 0.0, furthest: 0.0, load_position }
+        Self {
+            direction: 0.0,
+            top_speed: 0.0,
+            furthest: 0.0,
+            furthest_commanded: f64::NEG_INFINITY,
+            load_position,
+        }
     }
 
     fn head_for(&mut self, velocity: f64) {
@@ -199,16 +210,20 @@ impl Travel {
         if velocity.abs() > TURNING * self.top_speed && !goes_on {
             self.direction = velocity.signum();
             self.furthest = self.direction * self.load_position;
+            self.furthest_commanded = f64::NEG_INFINITY;
         }
     }
 
-    fn observe(&mut self, load_position: f64) {
-        self.load_position = load_position;
-        self.furthest = self.furthest.max(self.direction * load_position);
+    fn observe(&mut self, seen: &Sight) {
+        self.load_position = seen.load_position;
+        self.furthest = self.furthest.max(self.direction * seen.load_position);
+        self.furthest_commanded = self.furthest_commanded.max(self.direction * seen.commanded_position);
     }
 
+    /// A motion ends within a cycle, and what a drive fills in between its last two setpoints passes the goal by a share of
+    /// `J·T³` (6e-11 m for 100 m/s³ at 1 ms): so far the load only follows.
     fn past(&self, goal: f64) -> f64 {
-        (self.furthest - self.direction * goal).max(0.0)
+        (self.furthest - self.furthest_commanded.max(self.direction * goal)).max(0.0)
     }
 }
 

@@ -52,6 +52,15 @@ impl Plant {
         matches!(self.0, Kind::Driven(_))
     }
 
+    /// What a substep makes of motor position and velocity, deflection and its rate, and of a unit of effort that is held,
+    /// both without dry friction; `None` where no effort moves the plant.
+    pub(crate) fn free_motion(&self) -> Option<(Matrix4<f64>, Vector4<f64>)> {
+        match &self.0 {
+            Kind::Driven(driven) => Some((driven.coast, driven.push / driven.motor_inertia)),
+            Kind::Ideal { .. } | Kind::Prescribed(_) => None,
+        }
+    }
+
     /// One substep at a constant `effort` [N or N m]; a motor that is not driven goes `from` one commanded state
     /// `to` the next instead.
     pub fn apply(&mut self, effort: f64, from: &State, to: &State) {

@@ -19,10 +19,11 @@ use crate::monitor::ReportCard;
 ///         │                          ⟲ starved:       nothing is held                                    ▲
 ///         │                            counted, held                                                     │
 ///         └── closed before it began ────────────────────────────────────────────────────────────────────┘
+///   any ── an axis diverges ──► OVER
 /// ```
 ///
 /// # Starvation
-/// A cycle that is due and not held is an underrun: it is counted, and the axis is held where the last setpoint was, at
+/// A cycle that is due and not held is an underrun, also where nothing more will come: it is counted, and the axis is held where the last setpoint was, at
 /// velocity 0, for that cycle. The number of the cycle stays due; play goes on with it as soon as it is held, so that the
 /// motion is late and never cut short. Nothing is extrapolated. A hold asks for any deceleration, which a simulated axis
 /// survives and its following error shows; a real one needs a stop that was planned.
@@ -43,6 +44,16 @@ pub struct Player {
     digest: Digest,
     reported: u64,
     refused: Option<Place>,
+    diverged: Option<Divergence>,
+}
+
+/// An axis that has left its setpoints beyond any sense.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Divergence {
+    /// Which axis, in plan order.
+    pub axis: usize,
+    /// In which cycle.
+    pub cycle: u64,
 }
 
 /// What one cycle did.
@@ -56,6 +67,8 @@ pub enum Beat {
     Starved,
     /// The axis stood still in the settle window.
     Rested,
+    /// An axis left its setpoints beyond any sense, and the run is over.
+    Diverged,
     /// Nothing, since the run is over.
     Over,
 }
@@ -78,7 +91,8 @@ struct Place {
 impl Player {
     /// `axes` in plan order, for a motion whose last cycle is `motion_end`; reports every `batch_cycles`.
     #[must_use]
-    pub fn new(buffer: Buffer, axes: Vec<Axis>, motion_end: u64, batch_cycles: u64) -> Self {
+    pub fn new(mut buffer: Buffer, axes: Vec<Axis>, motion_end: u64, batch_cycles: u64) -> Self {
+        buffer.motion_ends_at(motion_end);
         Self {
             buffer,
             setpoints: vec![Setpoint::default(); axes.len()],
@@ -93,6 +107,7 @@ impl Player {
             digest: Digest::ZERO,
             reported: 0,
             refused: None,
+            diverged: None,
         }
     }
 
@@ -128,14 +143,36 @@ impl Player {
         }
     }
 
-    /// Would a cycle now come too early: has execution not begun, or is what it needs not held yet?
+    /// Would a cycle now come too early for whoever can wait: has execution not begun, or is more of the motion to come and
+    /// no more than half the lead held? An axis that hurries through half of it and then waits asks for no more than its
+    /// credit, and the least lead that it reports is one that it needed.
     #[must_use]
     pub fn is_short_of_data(&self) -> bool {
         match self.phase {
             Phase::Waiting => !self.buffer.is_ready() && !self.closed,
-            Phase::Playing => self.buffer.held() == 0 && !self.closed,
+            Phase::Playing => {
+                let more_is_to_come = !self.closed && !self.has_all();
+                more_is_to_come && self.buffer.held() <= self.buffer.lead() / 2
+            }
             Phase::Settling | Phase::Over => false,
         }
+    }
+
+    /// Is the whole motion held, or played?
+    fn has_all(&self) -> bool {
+        self.buffer.accepted() >= self.motion_end && self.buffer.held() > 0
+    }
+
+    /// Does the axis rest at the end of its motion, watched to the end of the settle window, on a stream that stays open?
+    #[must_use]
+    pub fn is_at_standstill(&self) -> bool {
+        self.phase == Phase::Playing && !self.closed && self.has_arrived() && self.is_settled()
+    }
+
+    /// Which axis has left its setpoints beyond any sense, where one has.
+    #[must_use]
+    pub fn divergence(&self) -> Option<Divergence> {
+        self.diverged
     }
 
     /// Has execution not begun?
@@ -186,17 +223,22 @@ impl Player {
         self.digest
     }
 
-    /// How each axis has done. Takes milliseconds: not for a control cycle.
+    /// How each axis has done. Takes milliseconds: not for a control cycle. Where the motion broke off no axis has settled,
+    /// since none is where it was to go.
     #[must_use]
     pub fn report_cards(&self) -> Vec<ReportCard> {
-        self.axes.iter().map(Axis::report).collect()
+        let card = |axis: &Axis| {
+            let card = axis.report();
+            ReportCard { settling_time: card.settling_time.filter(|_| self.has_arrived()), ..card }
+        };
+        self.axes.iter().map(card).collect()
     }
 
     /// The report to the server, when a batch has been executed since the last one.
     pub fn report_due(&mut self) -> Option<Report> {
         let executed = self.buffer.executed();
-        let is_due = executed >= self.reported + self.batch_cycles
-            || (self.buffer.is_finished() && executed > self.reported);
+        let is_last = self.buffer.is_finished() || self.is_at_standstill();
+        let is_due = executed >= self.reported + self.batch_cycles || (is_last && executed > self.reported);
         if is_due {
             self.reported = executed;
         }
@@ -234,6 +276,9 @@ impl Player {
         {
             *seen = axis.step(&setpoint.state);
         }
+        if self.ends_diverged(cycle) {
+            return Beat::Diverged;
+        }
         if cycle == self.motion_end {
             self.watch_rest();
         }
@@ -244,20 +289,33 @@ impl Player {
     }
 
     fn starve(&mut self) -> Beat {
+        if !self.has_arrived() {
+            self.buffer.count_underrun();
+        }
         if self.closed {
             self.settle();
             return if self.is_over() { Beat::Over } else { self.rest() };
         }
-        self.buffer.count_underrun();
         self.hold();
-        Beat::Starved
+        if self.ends_diverged(self.cycle_number() + 1) { Beat::Diverged } else { Beat::Starved }
     }
 
     fn rest(&mut self) -> Beat {
         self.hold();
+        if self.ends_diverged(self.cycle_number() + 1) {
+            return Beat::Diverged;
+        }
         self.rested += 1;
         self.end_if_settled();
         Beat::Rested
+    }
+
+    /// Ends the run if an axis has diverged in `cycle`.
+    fn ends_diverged(&mut self, cycle: u64) -> bool {
+        let Some(axis) = self.observations.iter().position(|seen| seen.diverged) else { return false };
+        self.diverged = Some(Divergence { axis, cycle });
+        self.phase = Phase::Over;
+        true
     }
 
     fn hold(&mut self) {
@@ -283,8 +341,12 @@ impl Player {
     }
 
     fn end_if_settled(&mut self) {
-        if self.phase == Phase::Settling && self.axes.iter().all(Axis::settle_window_is_over) {
+        if self.phase == Phase::Settling && self.is_settled() {
             self.phase = Phase::Over;
         }
+    }
+
+    fn is_settled(&self) -> bool {
+        self.axes.iter().all(Axis::settle_window_is_over)
     }
 }

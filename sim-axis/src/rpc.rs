@@ -1,6 +1,7 @@
 //! `SimAxisService`: a thin face over [`Tracking`]. Below here, and nowhere else in this crate, is the wire known.
 
 mod convert;
+mod refusal;
 mod remote;
 mod request;
 
@@ -9,14 +10,14 @@ use std::sync::Arc;
 use proto::pb::run_tracking_response::Message;
 use proto::pb::sim_axis_service_server::{SimAxisService, SimAxisServiceServer};
 use proto::{Reason, Rejected, pb};
+use serving::Leaving;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
 use tokio_stream::wrappers::ReceiverStream;
-use tokio_util::sync::CancellationToken;
 use tonic::{Request, Response, Status};
 
 use crate::config::Config;
 use crate::models::{InvalidModels, Models};
-use crate::run::{TrackError, Tracking, Update};
+use crate::run::{Tracking, Update};
 
 pub use remote::{RemoteAxis, RemoteRun};
 
@@ -34,19 +35,19 @@ pub(crate) struct Axes {
     models: Arc<Models>,
     runs: Arc<Semaphore>,
     max_runs: usize,
-    drain: CancellationToken,
+    leaving: Leaving,
 }
 
-/// The service for `config`, which takes no new run once `drain` is cancelled.
-pub(crate) fn service(config: &Config, drain: CancellationToken) -> Face {
+/// The service for `config`, which takes no new run once the process is leaving.
+pub(crate) fn service(config: &Config, leaving: Leaving) -> Face {
     let axes = Axes {
         models: Arc::new(config.models.clone()),
         runs: Arc::new(Semaphore::new(config.max_runs.min(Semaphore::MAX_PERMITS))),
         max_runs: config.max_runs,
-        drain,
+        leaving,
     };
-    let size = config.max_message_bytes;
-    SimAxisServiceServer::new(axes).max_decoding_message_size(size).max_encoding_message_size(size)
+    // The frame refuses larger ones, with a reason; below it nothing else is to.
+    SimAxisServiceServer::new(axes).max_decoding_message_size(config.serving.max_message_bytes)
 }
 
 /// Why a file has no models.
@@ -78,8 +79,8 @@ pub fn models_from_json(text: &str) -> Result<Models, ModelFileError> {
 
 impl Axes {
     fn begin_run(&self) -> Result<OwnedSemaphorePermit, Rejected> {
-        if self.drain.is_cancelled() {
-            return Err(Rejected::new(Reason::Draining, "this simulator is about to leave: run on another"));
+        if self.leaving.has_begun() {
+            return Err(draining());
         }
         Arc::clone(&self.runs).try_acquire_owned().map_err(|_| {
             let most = self.max_runs;
@@ -98,14 +99,21 @@ impl SimAxisService for Axes {
         request: Request<pb::RunTrackingRequest>,
     ) -> Result<Response<Self::RunTrackingStream>, Status> {
         let permit = self.begin_run()?;
-        let request = request::track_request(request.into_inner(), &self.models)?;
-        let tracking = Tracking::begin(request).await.map_err(status)?;
+        let request = request.into_inner();
+        let named: Vec<String> = request.models.iter().map(|model| model.axis.clone()).collect();
+        let request = request::track_request(request, &self.models)?;
+        let tracking = Tracking::begin(request).await.map_err(|error| refusal::of(error, &named))?;
         let (sender, receiver) = mpsc::channel(AHEAD);
-        tokio::spawn(async move {
+        let leaving = self.leaving.clone();
+        self.leaving.spawn(async move {
             tokio::select! {
                 () = carry(tracking, &sender) => {}
                 // The caller has gone, and with it the run.
                 () = sender.closed() => {}
+                () = leaving.due() => {
+                    // A reader that is too slow for it hears no reason.
+                    let _ = sender.try_send(Err(draining().into()));
+                }
             }
             drop(permit);
         });
@@ -145,41 +153,21 @@ async fn carry(mut tracking: Tracking, sender: &Outgoing) {
     }
     let (report, failure) = match tracking.finish().await {
         Ok(report) => (Some(report), None),
-        Err(TrackError::Broken { executed, motion_end, cause, report }) => {
-            let error = TrackError::Broken { executed, motion_end, cause, report: report.clone() };
-            (Some(*report), Some(status(error)))
-        }
-        Err(error) => (None, Some(status(error))),
+        Err(error) => (error.report().cloned(), Some(refusal::of(error, &[]))),
     };
     let report = report.map(|report| Message::Report(report.into()));
     let report = report.map(|message| Ok(pb::RunTrackingResponse { message: Some(message) }));
-    for last in report.into_iter().chain(failure.map(Err)) {
+    for last in report.into_iter().chain(failure.map(|rejected| Err(rejected.into()))) {
         // Nobody to tell is not a failure.
         let _ = sender.send(last).await;
     }
 }
 
+fn draining() -> Rejected {
+    Rejected::new(Reason::Draining, "this simulator is about to leave: run on another")
+}
+
 /// What a later version will answer.
 fn not_implemented(what: &str, instead: &str) -> Status {
     Rejected::new(Reason::NotImplemented, format!("{what} is not implemented: {instead}")).into()
-}
-
-/// Why there is no run, or none that is whole, as a status.
-fn status(error: TrackError) -> Status {
-    let text = error.to_string();
-    match error {
-        TrackError::NoEndpoint => Rejected::new(Reason::ProtocolOrder, text).into(),
-        TrackError::UnknownAxis { .. } => Rejected::new(Reason::UnknownAxis, text).into(),
-        TrackError::Config { axis, cause } => request::unsuitable(&axis, &cause).into(),
-        TrackError::NotOpened(client::Error::Rejected(rejected)) => (*rejected).into(),
-        TrackError::Broken { cause: client::Error::Rejected(rejected), .. } => {
-            Rejected { message: text, ..*rejected }.into()
-        }
-        TrackError::NotOpened(client::Error::Unreachable { .. })
-        | TrackError::Broken { cause: client::Error::Unreachable { .. }, .. } => Status::unavailable(text),
-        TrackError::NotOpened(client::Error::Protocol(_))
-        | TrackError::Broken { cause: client::Error::Protocol(_), .. } => Status::internal(text),
-        TrackError::Abandoned => Status::cancelled(text),
-        TrackError::Thread(_) => Rejected::new(Reason::Overloaded, text).into(),
-    }
 }

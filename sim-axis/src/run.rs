@@ -6,12 +6,13 @@ use std::time::{Duration, SystemTime};
 
 use client::{Buffer, Client, Link, Reports, Standing};
 use planner::{Accepted, AxisKind, Setpoint};
+use proto::Digest;
 use proto::stream::{
     Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES, Motion, Open, Opened,
     StreamEvent, ToAxis,
 };
-use proto::{Digest, Reason};
 use tokio::sync::{mpsc, oneshot};
+use tonic::Code;
 
 use crate::axis::{Axis, AxisConfig, InvalidConfig};
 use crate::clock::Clock;
@@ -19,7 +20,7 @@ use crate::cycle_thread::{Fed, Feed, Outcome, Outside, ReportRing, SampleRing, s
 use crate::jitter::Jitter;
 use crate::model::AxisModel;
 use crate::monitor::ReportCard;
-use crate::player::Player;
+use crate::player::{Divergence, Player};
 use crate::samples::Samples;
 
 /// What an axis is asked to follow, and how.
@@ -41,7 +42,7 @@ pub struct TrackRequest {
     pub settle_window: f64,
     /// How near to the goal is settled [axis units]; `None`: [`default_settle_tolerance`] of each axis's kind.
     pub settle_tolerance: Option<f64>,
-    /// Keep the stream open at rest, until it is closed from outside?
+    /// Keep the stream open at rest, until it is closed from outside? In virtual time nothing happens then.
     pub stay_open: bool,
     /// Take a plan that does not guarantee velocity and acceleration?
     pub accept_unproved: bool,
@@ -92,7 +93,8 @@ pub struct TrackingReport {
 pub struct StreamReport {
     /// Cycles given to the servo; those of the settle window are not counted.
     pub cycles_executed: u64,
-    /// As in the reports to the server. In virtual time the least lead says only how two threads took turns.
+    /// As in the reports to the server. In virtual time the axis waits for data at half the lead, which is the least that it
+    /// then reports.
     pub counters: Counters,
     /// Times that the stream went on with another replica.
     pub failovers: u64,
@@ -139,9 +141,14 @@ pub enum TrackError {
         /// Why not.
         cause: InvalidConfig,
     },
-    /// No planner opened the stream: what the last one that was tried said.
-    #[error("the stream cannot be opened: {0}")]
-    NotOpened(client::Error),
+    /// No planner opened the stream.
+    #[error("the stream cannot be opened: {cause}")]
+    NotOpened {
+        /// The last one that was tried.
+        endpoint: String,
+        /// What it said.
+        cause: client::Error,
+    },
     /// The stream broke off before the motion had ended. The axis has played what it held, and holds.
     #[error(
         "the stream ended at cycle {executed} of {motion_end}: {cause}; the axis holds there: plan from where it stands \
@@ -157,12 +164,41 @@ pub enum TrackError {
         /// How well the axis followed until there.
         report: Box<TrackingReport>,
     },
+    /// An axis left its setpoints beyond any sense.
+    #[error(
+        "axis {axis:?} diverged in cycle {cycle}: it was more than a thousand times its travel away from its setpoint; lower \
+         the gains of its servo, raise its max_effort, or ask for less acceleration"
+    )]
+    Diverged {
+        /// Its name.
+        axis: String,
+        /// When.
+        cycle: u64,
+        /// How well the axes followed until there.
+        report: Box<TrackingReport>,
+    },
     /// Whoever looked on has gone, and the run with them.
     #[error("nobody looks on any more, so the run was ended")]
     Abandoned,
     /// The process cannot run one more axis.
     #[error("the cycle thread cannot run: {0}")]
     Thread(String),
+}
+
+impl TrackError {
+    /// How well the axes followed until the run broke off, where it had begun.
+    #[must_use]
+    pub fn report(&self) -> Option<&TrackingReport> {
+        match self {
+            Self::Broken { report, .. } | Self::Diverged { report, .. } => Some(report),
+            Self::NoEndpoint
+            | Self::UnknownAxis { .. }
+            | Self::Config { .. }
+            | Self::NotOpened { .. }
+            | Self::Abandoned
+            | Self::Thread(_) => None,
+        }
+    }
 }
 
 /// A run that has begun. Dropping it ends the run.
@@ -236,7 +272,8 @@ impl Tracking {
     /// How the run went. Reads what is left to read.
     ///
     /// # Errors
-    /// [`TrackError::Broken`] for a stream that ended too early, with the report until there.
+    /// [`TrackError::Broken`] for a stream that ended too early and [`TrackError::Diverged`] for an axis that did not follow,
+    /// with the report until there.
     pub async fn finish(mut self) -> Result<TrackingReport, TrackError> {
         while self.next().await.is_some() {}
         let gone = || Err(TrackError::Thread("its task has ended without a word".into()));
@@ -319,16 +356,19 @@ async fn open_somewhere(endpoints: &[String], open: &Open) -> Result<Opening, Tr
         let opening = tokio::time::timeout(OPENING, open_at(endpoint, open)).await;
         match opening.unwrap_or_else(|_| Err(no_answer(endpoint))) {
             Ok(opening) => return Ok(opening),
-            Err(client::Error::Rejected(rejected)) if rejected.reason != Reason::Draining => {
-                return Err(TrackError::NotOpened(client::Error::Rejected(rejected)));
-            }
-            Err(error) => {
-                tracing::info!(endpoint, %error, "not opened here");
-                last = Some(error);
+            Err(cause) => {
+                tracing::info!(endpoint, %cause, "not opened here");
+                let speaks_for_all = matches!(
+                    &cause, client::Error::Rejected(rejected) if rejected.reason.code() != Code::Unavailable
+                );
+                last = Some(TrackError::NotOpened { endpoint: endpoint.clone(), cause });
+                if speaks_for_all {
+                    break;
+                }
             }
         }
     }
-    Err(last.map_or(TrackError::NoEndpoint, TrackError::NotOpened))
+    Err(last.unwrap_or(TrackError::NoEndpoint))
 }
 
 async fn open_at(endpoint: &str, open: &Open) -> Result<Opening, client::Error> {
@@ -424,9 +464,13 @@ async fn carry(
             digest: player.digest(),
             stop_tail_used: false,
         };
-        (arrived, TrackingReport { axes: player.report_cards(), stream })
+        (arrived, player.divergence(), TrackingReport { axes: player.report_cards(), stream })
     });
-    let (arrived, report) = report.await.map_err(|error| TrackError::Thread(error.to_string()))?;
+    let (arrived, diverged, report) = report.await.map_err(|error| TrackError::Thread(error.to_string()))?;
+    if let Some(Divergence { axis, cycle }) = diverged {
+        let axis = report.axes.get(axis).map(|card| card.axis.clone()).unwrap_or_default();
+        return Err(TrackError::Diverged { axis, cycle, report: Box::new(report) });
+    }
     if arrived {
         // However the stream ended, the motion had been played by then.
         return Ok(report);

@@ -84,6 +84,11 @@ impl Servo {
         Self { max_effort: if scale == 0.0 { 0.0 } else { self.max_effort * scale }, ..self }
     }
 
+    /// The same drive with all the effort that it wants.
+    pub(crate) fn unlimited(self) -> Self {
+        Self { max_effort: f64::INFINITY, ..self }
+    }
+
     /// The effort for the coming substep, from where the motor should be and where it is.
     ///
     /// Anti-windup by clamping: while the effort is limited, the integral part takes only what leads back

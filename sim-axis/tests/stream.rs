@@ -8,7 +8,7 @@ use planner::{
 };
 use proto::Digest;
 use proto::stream::{Batch, Columns, RefusalReason, Refused};
-use sim_axis::{Axis, AxisConfig, AxisModel, Beat, Observation, Player, ReportCard};
+use sim_axis::{Axis, AxisConfig, AxisModel, Beat, Divergence, Observation, Player, ReportCard};
 
 const EPOCH: u64 = 7;
 const LEAD: u64 = 40;
@@ -139,7 +139,7 @@ fn run(player: &mut Player, mut bring: impl FnMut(&mut Player)) -> Trace {
             }
             Beat::Starved => trace.starved += 1,
             Beat::Rested => trace.rested += 1,
-            Beat::Waited | Beat::Over => {}
+            Beat::Waited | Beat::Diverged | Beat::Over => {}
         }
     }
     trace.cards = player.report_cards();
@@ -340,6 +340,8 @@ fn a_stream_that_breaks_off_is_played_to_its_end_and_held() {
     });
     assert_eq!((trace.played.len() as u64, trace.starved, trace.rested), (LEAD, 0, SETTLE_CYCLES));
     assert!(!player.has_arrived());
+    // The axis was stopped at speed: that is no arrival, and no good one.
+    assert_eq!((player.buffer().counters().underruns, trace.cards[0].settling_time), (1, None));
     let mut sampler = plan.plan().sampler();
     let so_far = (1..=LEAD).fold(Digest::ZERO, |digest, cycle| {
         digest.then(cycle, sampler.at(cycle).map(|setpoint| setpoint.words()))
@@ -370,6 +372,77 @@ fn a_stream_that_stays_open_rests_and_its_rest_is_not_in_the_digest() {
     assert_eq!(trace.digest, digest_of(&plan));
     assert_eq!(trace.cards.len(), 2);
     assert!(trace.cards.iter().all(|card| card.residual_vibration_amplitude > 0.0));
+}
+
+/// The lead is worth what it was while the motion was not held to its end.
+#[test]
+fn the_least_lead_is_that_of_the_motion() {
+    let plan = short();
+    for rests_on in [false, true] {
+        let (mut player, mut source) = (player(&plan), Source::of(&plan));
+        source.rests_on = rests_on;
+        source.fill(&mut player);
+        while !player.has_arrived() {
+            source.fill(&mut player);
+            player.cycle();
+        }
+        player.close();
+        run(&mut player, |_| {});
+        let least = player.buffer().counters().least_lead_cycles;
+        // Between two fills a batch is played.
+        assert_eq!((least, player.buffer().counters().underruns), (LEAD - BATCH, 0), "{rests_on}");
+    }
+}
+
+/// Whoever does not go by a clock waits for data at half the lead, and not at all for what does not move.
+#[test]
+fn a_player_that_hurries_waits_for_the_motion_and_rests_when_it_is_over() {
+    let plan = short();
+    let (mut player, mut source) = (player(&plan), Source::of(&plan));
+    source.rests_on = true;
+    let mut waits = 0;
+    while !player.is_at_standstill() {
+        if player.is_short_of_data() {
+            waits += 1;
+            source.fill(&mut player);
+        }
+        player.cycle();
+    }
+    assert!(waits > 1);
+    assert_eq!(player.buffer().executed(), plan.plan().cycle_count() + SETTLE_CYCLES as u64);
+    assert_eq!(player.buffer().counters().least_lead_cycles, LEAD / 2);
+    assert!(player.report_due().is_some(), "the server is told where time stands still");
+    player.close();
+    assert!(!player.is_at_standstill());
+    run(&mut player, |_| {});
+    assert!(player.is_over() && player.has_arrived());
+}
+
+#[test]
+fn an_axis_that_diverges_ends_the_run_and_the_report_before() {
+    let plan = plan(&[0.05, 0.02]);
+    let setpoints: Vec<Setpoint> = plan.plan().sampler().at(0).collect();
+    let config = AxisConfig { cycle: 1e-3, settle_window: SETTLE_WINDOW, settle_tolerance: 1e-5 };
+    let axis = |name: &str| Axis::new(&AxisModel::flexible(name), config, &State::at_rest(0.0)).unwrap();
+    let mut spoilt = axis("b");
+    let nowhere = State { velocity: f64::NAN, ..State::at_rest(0.0) };
+    assert!(spoilt.step(&nowhere).diverged && spoilt.has_diverged());
+    let buffer = Buffer::new(&Standing {
+        epoch: EPOCH,
+        lead_cycles: LEAD as u32,
+        axis_guard: 2,
+        plan: plan.plan(),
+        setpoints: &setpoints,
+    });
+    let mut player = Player::new(buffer, vec![axis("a"), spoilt], plan.plan().cycle_count(), BATCH);
+    Source::of(&plan).fill(&mut player);
+    assert_eq!(player.cycle(), Beat::Diverged);
+    assert_eq!(player.divergence(), Some(Divergence { axis: 1, cycle: 1 }));
+    assert!(player.is_over() && player.cycle() == Beat::Over);
+    for card in player.report_cards() {
+        assert!(card.max_following_error.is_finite() && card.rms_following_error.is_finite(), "{card:?}");
+        assert!(card.overshoot.is_finite() && card.max_effort.is_finite(), "{card:?}");
+    }
 }
 
 #[test]

@@ -67,8 +67,16 @@ fn rows() -> Vec<Row> {
         (
             "a name of ten thousand letters",
             spoiled(|r| axis(r).axis = "x".repeat(10_000)),
-            ResourceExhausted,
-            Reason::MessageTooLarge,
+            InvalidArgument,
+            Reason::NameInvalid,
+            "axes[0].axis",
+        ),
+        ("no name", spoiled(|r| axis(r).axis.clear()), InvalidArgument, Reason::NameInvalid, "axes[0].axis"),
+        (
+            "a name that rings the bell",
+            spoiled(|r| axis(r).axis = "x\u{7}".into()),
+            InvalidArgument,
+            Reason::NameInvalid,
             "axes[0].axis",
         ),
         ("no kind", spoiled(|r| axis(r).kind = 0), InvalidArgument, Reason::KindUnspecified, "axes[0].kind"),
@@ -111,8 +119,25 @@ fn rows() -> Vec<Row> {
             "no limits",
             spoiled(|r| axis(r).limits = None),
             InvalidArgument,
+            Reason::FieldMissing,
+            "axes[0].limits",
+        ),
+        (
+            "a limit that is not stated",
+            spoiled(|r| limits(r).max_jerk = 0.0),
+            InvalidArgument,
             Reason::LimitNotPositive,
-            "axes[0].limits.max_velocity",
+            "axes[0].limits.max_jerk",
+        ),
+        (
+            "a range without inside",
+            spoiled(|r| {
+                limits(r).min_position = Some(1.0);
+                limits(r).max_position = Some(-1.0);
+            }),
+            InvalidArgument,
+            Reason::ValueOutOfRange,
+            "axes[0].limits.max_position",
         ),
         (
             "a cycle of nothing",
@@ -219,6 +244,21 @@ async fn every_bad_request_has_its_reason_and_path() {
     assert!(planner.plan(good()).await.is_ok());
 }
 
+/// A start and a goal are at rest at 0 where nothing is said of them.
+#[tokio::test]
+async fn ends_that_are_not_set_are_at_rest_at_zero() {
+    let server = Loopback::start().await;
+    let mut planner = server.planner().await;
+    let from_there = spoiled(|r| {
+        start(r).position = -0.05;
+        axis(r).goal = None;
+    });
+    for request in [spoiled(|r| axis(r).start = None), from_there] {
+        let plan = planner.plan(request).await.unwrap().into_inner().plan.unwrap();
+        assert_eq!(plan.cycle_count, 314);
+    }
+}
+
 #[tokio::test]
 async fn a_path_too_short_says_what_would_do() {
     let server = Loopback::start().await;
@@ -297,14 +337,40 @@ async fn a_tampered_plan_does_not_pass_and_is_not_played() {
         let certificate = planner.verify_plan(request).await.unwrap().into_inner().certificate.unwrap();
         assert!(!certificate.passed, "{name}");
         let sample = pb::SamplePlanRequest { plan: Some(plan.clone()), ..Default::default() };
-        let status = planner.sample_plan(sample).await.expect_err(name);
-        assert_eq!(refused(&status).reason, Reason::PlanRejected, "{name}");
-        let open = pb::Open { source: Some(pb::open::Source::Plan(plan)), ..Default::default() };
+        let rejected = refused(&planner.sample_plan(sample).await.expect_err(name));
+        assert_eq!(rejected.reason, Reason::PlanRejected, "{name}");
+        // What the judge found worst, for programs, and where each thing is.
+        assert_eq!(rejected.metadata["axis"], "x", "{name}");
+        let figure = |key: &str| rejected.metadata[key].parse::<f64>().unwrap().abs();
+        assert!(figure("given") > figure("allowed"), "{name}: {rejected:?}");
+        assert!(!rejected.metadata["quantity"].is_empty(), "{name}");
+        assert!(!rejected.fields.is_empty(), "{name}");
+        for violation in &rejected.fields {
+            assert!(["plan.axes[0].segments", "plan.axes[0].goal"].contains(&violation.field.as_str()));
+        }
+        let source = Some(pb::open::Source::Plan(plan));
+        let open = pb::Open { stream: "x".into(), epoch: 1, source, ..Default::default() };
         let message = Some(pb::stream_setpoints_request::Message::Open(open));
         let first = pb::StreamSetpointsRequest { message };
         let mut answers = setpoints.stream_setpoints(tokio_stream::iter([first])).await.unwrap().into_inner();
         let status = answers.message().await.expect_err(name);
-        assert_eq!(refused(&status).reason, Reason::PlanRejected, "{name}");
+        let rejected = refused(&status);
+        assert_eq!(rejected.reason, Reason::PlanRejected, "{name}");
+        assert!(rejected.fields[0].field.starts_with("open.plan.axes[0]."), "{name}: {rejected:?}");
+    }
+}
+
+#[tokio::test]
+async fn a_plan_that_is_not_there_is_missing() {
+    let server = Loopback::start().await;
+    let mut planner = server.planner().await;
+    let statuses = [
+        planner.verify_plan(pb::VerifyPlanRequest::default()).await.unwrap_err(),
+        planner.sample_plan(pb::SamplePlanRequest::default()).await.unwrap_err(),
+    ];
+    for status in statuses {
+        let rejected = refused(&status);
+        assert_eq!((rejected.reason, rejected.fields[0].field.as_str()), (Reason::FieldMissing, "plan"));
     }
 }
 
@@ -407,5 +473,6 @@ async fn sampling_past_the_end_names_the_last_cycle() {
     let mut planner = server.planner().await;
     let request = pb::SamplePlanRequest { plan: Some(plan()), first_cycle: 315, cycles: 1 };
     let rejected = refused(&planner.sample_plan(request).await.unwrap_err());
-    assert_eq!((rejected.reason, rejected.metadata["nearest"].as_str()), (Reason::ResumePastEnd, "314"));
+    assert_eq!((rejected.reason, rejected.metadata["nearest"].as_str()), (Reason::ValueOutOfRange, "314"));
+    assert_eq!(rejected.fields[0].field, "first_cycle");
 }

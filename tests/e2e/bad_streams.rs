@@ -56,15 +56,23 @@ impl Rude {
         }
     }
 
-    /// The reason for which the stream ends.
-    async fn reason(&mut self) -> Reason {
+    /// How the stream ends.
+    async fn refusal(&mut self) -> Rejected {
         loop {
             match self.hear().await {
                 Ok(Some(_)) => {}
                 Ok(None) => panic!("the stream ended well"),
-                Err(status) => return Rejected::from_status(&status).expect("a reason").reason,
+                Err(status) => {
+                    return Rejected::from_status(&status)
+                        .unwrap_or_else(|| panic!("no reason in {status:?}"));
+                }
             }
         }
+    }
+
+    /// The reason for which the stream ends.
+    async fn reason(&mut self) -> Reason {
+        self.refusal().await.reason
     }
 
     /// Nothing comes for a while.
@@ -228,14 +236,48 @@ async fn an_operation_is_refused_and_the_motion_goes_on() {
 async fn a_resume_and_an_open_without_a_plan() {
     let server = Loopback::start().await;
     let rows = [
-        (Some(pb::open::Source::Resume(pb::Resume::default())), Reason::NotImplemented),
-        (None, Reason::KindUnspecified),
-        (Some(pb::open::Source::Plan(pb::Plan::default())), Reason::NoAxes),
+        (Some(pb::open::Source::Resume(pb::Resume::default())), Reason::NotImplemented, "open.resume"),
+        (None, Reason::FieldMissing, "open.source"),
+        (Some(pb::open::Source::Plan(pb::Plan::default())), Reason::NoAxes, "open.plan.axes"),
     ];
-    for (source, reason) in rows {
+    for (source, reason, field) in rows {
         let mut axis = Rude::connect(&server).await;
-        axis.say(Some(Message::Open(pb::Open { source, ..Default::default() }))).await;
-        assert_eq!(axis.reason().await, reason);
+        let open = pb::Open { stream: "x".into(), epoch: 1, source, ..Default::default() };
+        axis.say(Some(Message::Open(open))).await;
+        let rejected = axis.refusal().await;
+        assert_eq!((rejected.reason, rejected.fields[0].field.as_str()), (reason, field));
     }
+    is_unharmed(&server).await;
+}
+
+#[tokio::test]
+async fn an_open_that_is_outside_what_the_schema_says() {
+    let server = Loopback::start().await;
+    let sound = open("x", planned(fifty_millimetres()));
+    let rows = [
+        (Open { stream: String::new(), ..sound.clone() }, Reason::NameInvalid, "open.stream"),
+        (Open { stream: "x".repeat(257), ..sound.clone() }, Reason::NameInvalid, "open.stream"),
+        (Open { stream: "x\ny".into(), ..sound.clone() }, Reason::NameInvalid, "open.stream"),
+        (Open { epoch: 0, ..sound.clone() }, Reason::ValueOutOfRange, "open.epoch"),
+        (Open { lead_cycles: 9, ..sound.clone() }, Reason::ValueOutOfRange, "open.lead_cycles"),
+        (Open { lead_cycles: 251, ..sound.clone() }, Reason::ValueOutOfRange, "open.lead_cycles"),
+        (Open { batch_cycles: 1001, ..sound.clone() }, Reason::ValueOutOfRange, "open.batch_cycles"),
+        (Open { axis_guard: 40, ..sound.clone() }, Reason::ValueOutOfRange, "open.axis_guard"),
+        (Open { executed_cycle: 7, ..sound.clone() }, Reason::ValueOutOfRange, "open.executed_cycle"),
+    ];
+    for (open, reason, field) in rows {
+        let mut axis = Rude::connect(&server).await;
+        axis.open(open).await;
+        let rejected = axis.refusal().await;
+        assert_eq!((rejected.reason, rejected.fields[0].field.as_str()), (reason, field), "{rejected:?}");
+        assert!(rejected.message.contains(':'), "{field} has no way out: {}", rejected.message);
+    }
+    // All of it at once, and what 0 stands for is sound.
+    let mut axis = Rude::connect(&server).await;
+    axis.open(Open { stream: String::new(), epoch: 0, lead_cycles: 9, ..sound.clone() }).await;
+    assert_eq!(axis.refusal().await.fields.len(), 3);
+    let mut axis = Rude::connect(&server).await;
+    axis.open(Open { lead_cycles: 0, batch_cycles: 0, axis_guard: 0, ..sound }).await;
+    axis.hear_until(40).await;
     is_unharmed(&server).await;
 }

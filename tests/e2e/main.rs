@@ -10,6 +10,7 @@
 mod bad_plans;
 mod bad_streams;
 mod families;
+mod large_messages;
 mod plan_then_stream;
 mod standing_services;
 mod tracking;

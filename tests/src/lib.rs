@@ -94,18 +94,29 @@ impl Loopback {
 #[derive(Debug)]
 pub struct LoopbackAxis {
     address: SocketAddr,
+    stop: Option<oneshot::Sender<()>>,
     serving: JoinHandle<()>,
 }
 
 impl LoopbackAxis {
     /// A simulator of ideal axes.
     pub async fn start() -> Self {
-        let axis = SimAxis::bind(sim_axis::Config::loopback()).await.expect("a free port");
+        Self::with(sim_axis::Config::loopback()).await
+    }
+
+    /// A simulator with these settings.
+    pub async fn with(config: sim_axis::Config) -> Self {
+        let axis = SimAxis::bind(config).await.expect("a free port");
         let address = axis.address();
+        let (stop, stopped) = oneshot::channel();
         let serving = tokio::spawn(async move {
-            axis.run(std::future::pending()).await.expect("served");
+            let stop = async {
+                // Dropped is stopped too.
+                let _ = stopped.await;
+            };
+            axis.run(stop).await.expect("served");
         });
-        Self { address, serving }
+        Self { address, stop: Some(stop), serving }
     }
 
     /// Where it is.
@@ -113,11 +124,22 @@ impl LoopbackAxis {
     pub fn endpoint(&self) -> String {
         format!("http://{}", self.address)
     }
-}
 
-impl Drop for LoopbackAxis {
-    fn drop(&mut self) {
-        self.serving.abort();
+    /// A bare connection, for what no client of ours would say.
+    pub async fn channel(&self) -> Channel {
+        Endpoint::from_shared(self.endpoint()).expect("an address").connect().await.expect("a simulator")
+    }
+
+    /// Tells the simulator to stop, as SIGTERM does.
+    pub fn tell_to_stop(&mut self) {
+        if let Some(stop) = self.stop.take() {
+            let _ = stop.send(());
+        }
+    }
+
+    /// Waits until the simulator has stopped.
+    pub async fn stopped(self) {
+        self.serving.await.expect("the simulator stops by itself");
     }
 }
 

@@ -6,6 +6,7 @@
 mod certificate;
 mod choice;
 mod claims;
+mod field;
 mod limits;
 mod plan;
 mod rejected;
@@ -13,7 +14,9 @@ mod request;
 mod state;
 mod stream;
 
+pub use field::{accepted_in, plan_as_it_is_in, plan_in, within};
 pub use plan::{plan_as_it_is, plan_from_wire, plan_to_wire};
+pub use rejected::accepted;
 pub use request::{Against, against};
 pub use stream::{request_from_wire, request_to_wire, response_from_wire, response_to_wire};
 

@@ -1,6 +1,9 @@
 //! What the planner and the judge object to, as refusals with a reason that programs know.
 
-use planner::{InvalidField, InvalidFields, Rejection, Shortest, Why};
+use planner::{
+    Accepted, EndCheck, InvalidField, InvalidFields, JoinCheck, Judged, LimitCheck, Plan, Quantity,
+    Rejection, Shortest, Violation, Why,
+};
 
 use crate::{FieldViolation, Reason, Rejected};
 
@@ -26,8 +29,79 @@ impl From<InvalidFields> for Rejected {
 }
 
 impl From<Rejection> for Rejected {
+    /// The check that fails worst, in words and for programs. [`accepted`] says besides where it stands.
     fn from(rejection: Rejection) -> Self {
-        Self::new(Reason::PlanRejected, format!("the judge rejects the plan: {rejection}; plan it again"))
+        let Some((worst, violation)) = worst(&rejection) else {
+            return Self::new(Reason::PlanRejected, "the judge rejects the plan: plan it again");
+        };
+        let more = match rejection.violations.len() - 1 {
+            0 => String::new(),
+            more => format!(", and {more} more"),
+        };
+        let Failed { axis, quantity, given, allowed, .. } = worst;
+        let text = format!("the judge rejects the plan: {violation}{more}; plan it again");
+        Self::new(Reason::PlanRejected, text)
+            .with("axis", axis)
+            .with("quantity", quantity)
+            .with("given", given)
+            .with("allowed", allowed)
+    }
+}
+
+/// The plan in the field called `field`, if the judge has nothing against it.
+///
+/// # Errors
+/// [`Reason::PlanRejected`], with the check that fails worst and the part of the plan that it is about.
+pub fn accepted(field: &str, plan: Plan) -> Result<Accepted, Rejected> {
+    let names: Vec<String> = plan.axes().iter().map(|axis| axis.axis.clone()).collect();
+    Judged::new(plan).accepted().map_err(|rejection| {
+        let path = worst(&rejection).and_then(|(Failed { axis, part, .. }, _)| {
+            let index = names.iter().position(|name| name == axis)?;
+            Some(format!("{field}.axes[{index}].{part}"))
+        });
+        let rejected = Rejected::from(rejection);
+        let path = path.unwrap_or_else(|| field.to_owned());
+        let violation = FieldViolation::new(path, Reason::PlanRejected, rejected.message.clone());
+        Rejected { fields: vec![violation], ..rejected }
+    })
+}
+
+/// The check that fails worst, the first where several are alike.
+fn worst(rejection: &Rejection) -> Option<(Failed<'_>, &Violation)> {
+    let failed = rejection.violations.iter().map(|violation| (Failed::of(violation), violation));
+    failed.reduce(|worst, next| if next.0.excess() > worst.0.excess() { next } else { worst })
+}
+
+/// A check of the judge that failed, in the words that are common to all of them.
+struct Failed<'a> {
+    axis: &'a str,
+    /// The part of an axis's plan that the check is about.
+    part: &'static str,
+    quantity: Quantity,
+    given: f64,
+    allowed: f64,
+}
+
+impl<'a> Failed<'a> {
+    fn of(violation: &'a Violation) -> Self {
+        match violation {
+            Violation::Limit(LimitCheck { axis, quantity, limit, extremum, .. }) => {
+                Self { axis, part: "segments", quantity: *quantity, given: *extremum, allowed: *limit }
+            }
+            Violation::Join(JoinCheck { axis, quantity, worst_jump, allowed, .. }) => {
+                Self { axis, part: "segments", quantity: *quantity, given: *worst_jump, allowed: *allowed }
+            }
+            Violation::End(EndCheck { axis, quantity, residual, allowed }) => {
+                Self { axis, part: "goal", quantity: *quantity, given: *residual, allowed: *allowed }
+            }
+        }
+    }
+
+    /// How far beyond what is allowed \[1\]: the same scale for every quantity.
+    fn excess(&self) -> f64 {
+        let ratio = (self.given / self.allowed).abs();
+        // What cannot be computed is as bad as can be.
+        if ratio.is_nan() { f64::INFINITY } else { ratio }
     }
 }
 
@@ -44,14 +118,16 @@ fn reason(why: &Why) -> Reason {
     match why {
         Why::NotFinite { .. } => Reason::NotFinite,
         Why::DurationNotPositive { .. } => Reason::TimesNotIncreasing,
-        Why::NotPositive { .. } | Why::EmptyRange { .. } => Reason::LimitNotPositive,
+        Why::NotPositive { .. } => Reason::LimitNotPositive,
+        Why::EmptyRange { .. } => Reason::ValueOutOfRange,
+        Why::Missing { .. } | Why::LimitMissing { .. } => Reason::FieldMissing,
         Why::Unspecified { .. } | Why::UnknownChoice { .. } | Why::UnknownName { .. } => {
             Reason::KindUnspecified
         }
         Why::DuplicateAxis { .. } => Reason::DuplicateAxis,
         Why::UnknownAxis { .. } => Reason::UnknownAxis,
         Why::NoAxes => Reason::NoAxes,
-        Why::NameTooLong { .. } => Reason::MessageTooLarge,
+        Why::NameEmpty | Why::NameControl { .. } | Why::NameTooLong { .. } => Reason::NameInvalid,
         Why::TooManyAxes { .. } => Reason::TooManyAxes,
         Why::TooManySegments { .. } => Reason::TooManySegments,
         Why::TooManyCycles { .. } => Reason::TooManyCycles,
@@ -59,7 +135,6 @@ fn reason(why: &Why) -> Reason {
         Why::OrderUnsupported { .. } | Why::OrderMissing | Why::OrderOfFamily { .. } => {
             Reason::OrderUnsupported
         }
-        Why::LimitMissing { .. } => Reason::LimitNotPositive,
         Why::NotAtRest { .. } => Reason::StateNotAtRest,
         Why::EvaluationVersion { .. } | Why::Misstated { .. } | Why::FingerprintMismatch { .. } => {
             Reason::PlanRejected

@@ -1,13 +1,16 @@
-use planner::{Accepted, Field, InvalidFields, Judged, Why};
+use std::ops::RangeInclusive;
+
+use planner::{Field, InvalidFields, Why, wrong_name};
 
 use super::choice::{event_from_wire, event_to_wire, phase_from_wire, phase_to_wire};
-use super::{plan_from_wire, plan_to_wire};
+use super::field::missing;
+use super::{accepted_in, plan_to_wire};
 use crate::stream::{
-    Batch, Columns, Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES, FromAxis,
-    Motion, Open, Opened, Operation, OperationRefusal, RefusalReason, Refused, Report, Revised, StreamEvent,
-    ToAxis, Tracking,
+    BATCH_CYCLES, Batch, Columns, Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES,
+    FromAxis, LEAD_CYCLES, Motion, Open, Opened, Operation, OperationRefusal, RefusalReason, Refused, Report,
+    Revised, StreamEvent, ToAxis, Tracking,
 };
-use crate::{Digest, Reason, Rejected, pb};
+use crate::{Digest, FieldViolation, Reason, Rejected, pb};
 use pb::stream_setpoints_request::Message as Request;
 use pb::stream_setpoints_response::Message as Response;
 
@@ -101,17 +104,6 @@ fn of_field(field: &str, why: Why) -> Rejected {
     InvalidFields::one(Field::named(field), why).into()
 }
 
-/// A plan that the judge has nothing against.
-fn accepted_from_wire(field: &str, wire: Option<pb::Plan>) -> Result<Accepted, Rejected> {
-    let wire = wire.ok_or_else(|| of_field(field, Why::Unspecified { choices: "a plan" }))?;
-    let plan = plan_from_wire(wire).map_err(|inner| {
-        let mut invalid = InvalidFields::default();
-        invalid.extend_within(&Field::named(field), inner);
-        invalid
-    })?;
-    Ok(Judged::new(plan).accepted()?)
-}
-
 fn open_from_wire(wire: pb::Open) -> Result<Open, Rejected> {
     let pb::Open {
         stream,
@@ -124,30 +116,57 @@ fn open_from_wire(wire: pb::Open) -> Result<Open, Rejected> {
         executed_cycle,
         source,
     } = wire;
-    let (given, allowed) = (stream.len(), planner::MAX_NAME_BYTES);
-    if given > allowed {
-        return Err(of_field("open.stream", Why::NameTooLong { given, allowed }));
+    let or = |given, default| if given == 0 { default } else { given };
+    let lead_cycles = or(lead_cycles, DEFAULT_LEAD_CYCLES);
+    let batch_cycles = or(batch_cycles, DEFAULT_BATCH_CYCLES);
+    let axis_guard = or(axis_guard, DEFAULT_AXIS_GUARD);
+    let mut faults = Vec::new();
+    if let Some(why) = wrong_name(&stream) {
+        faults.extend(of_field("open.stream", why).fields);
     }
+    if epoch == 0 {
+        let text = "is 0: choose one above 0, and a larger one at every open";
+        faults.push(FieldViolation::new("open.epoch", Reason::ValueOutOfRange, text));
+    }
+    faults.extend(outside("open.lead_cycles", lead_cycles, LEAD_CYCLES));
+    faults.extend(outside("open.batch_cycles", batch_cycles, BATCH_CYCLES));
+    faults.extend(outside("open.axis_guard", axis_guard, 1..=lead_cycles.saturating_sub(1).max(1)));
     let plan = match source {
-        Some(pb::open::Source::Plan(plan)) => accepted_from_wire("open.plan", Some(plan))?,
+        Some(pb::open::Source::Plan(plan)) => accepted_in("open.plan", Some(plan)),
         Some(pb::open::Source::Resume(_)) => {
             let what = "going on with a motion of another server";
-            return Err(of_field("open.resume", Why::NotImplemented { what, instead: "open with a plan" }));
+            Err(of_field("open.resume", Why::NotImplemented { what, instead: "open with a plan" }))
         }
-        None => return Err(of_field("open.source", Why::Unspecified { choices: "plan, resume" })),
+        None => Err(missing("open.source", "a plan")),
     };
-    let or = |given, default| if given == 0 { default } else { given };
+    // What is no opening whatever the plan is comes before what is wrong with the plan.
+    if let Err(of_plan) = &plan
+        && !faults.is_empty()
+    {
+        faults.extend(of_plan.fields.iter().cloned());
+    }
+    if let Some(rejected) = Rejected::for_fields(faults) {
+        return Err(rejected);
+    }
+    let plan = plan?;
     Ok(Open {
         stream,
         epoch,
-        lead_cycles: or(lead_cycles, DEFAULT_LEAD_CYCLES),
-        batch_cycles: or(batch_cycles, DEFAULT_BATCH_CYCLES),
-        axis_guard: or(axis_guard, DEFAULT_AXIS_GUARD),
+        lead_cycles,
+        batch_cycles,
+        axis_guard,
         close_at_rest,
         accept_unproved,
         executed_cycle,
         plan,
     })
+}
+
+/// What is wrong with a number of cycles; nothing within `allowed`.
+fn outside(field: &str, given: u32, allowed: RangeInclusive<u32>) -> Option<FieldViolation> {
+    let (least, most) = (allowed.start(), allowed.end());
+    let text = || format!("is {given}: give {least} to {most} cycles, or 0 for the default");
+    (!allowed.contains(&given)).then(|| FieldViolation::new(field, Reason::ValueOutOfRange, text()))
 }
 
 fn open_to_wire(open: &Open) -> pb::Open {
@@ -181,7 +200,7 @@ fn opened_from_wire(wire: pb::Opened) -> Result<Opened, Rejected> {
 }
 
 fn motion_from_wire(wire: Option<pb::Motion>) -> Result<Motion, Rejected> {
-    let wire = wire.ok_or_else(|| of_field("motion", Why::Unspecified { choices: "a motion" }))?;
+    let wire = wire.ok_or_else(|| missing("motion", "a motion"))?;
     let pb::Motion {
         revision,
         from_cycle,
@@ -198,7 +217,7 @@ fn motion_from_wire(wire: Option<pb::Motion>) -> Result<Motion, Rejected> {
         revision,
         from_cycle,
         digest_before: Digest::from(digest_before),
-        plan: accepted_from_wire("motion.plan", plan)?,
+        plan: accepted_in("motion.plan", plan)?,
         override_factor,
         phase: phase_from_wire(phase).map_err(|why| of_field("motion.phase", why))?,
         closing_from_cycle,

@@ -46,7 +46,7 @@ pub struct AxisLimits {
     /// Least position \[u\], any sign. Unset: none.
     #[prost(double, optional, tag = "6")]
     pub min_position: ::core::option::Option<f64>,
-    /// Greatest position \[u\], any sign, above min_position. Unset: none.
+    /// Greatest position \[u\], any sign, not below min_position. Unset: none.
     #[prost(double, optional, tag = "7")]
     pub max_position: ::core::option::Option<f64>,
     /// Greatest snap \[u/s^4\], > 0; needed from order 4 on. Unset: none. Limits describe the axis: a
@@ -76,7 +76,7 @@ impl ::prost::Name for AxisLimits {
 /// One axis of a move.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct AxisMove {
-    /// Name of the axis, unique within the request and not empty.
+    /// Name of the axis, unique within the request: 1 to 256 bytes without control characters.
     #[prost(string, tag = "1")]
     pub axis: ::prost::alloc::string::String,
     /// What the axis moves in, and with it the unit u of all its numbers.
@@ -595,7 +595,7 @@ impl ::prost::Name for PlanExplanation {
 /// The points of one axis. The three lists have the same length, at least one.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct PvtAxis {
-    /// Name of the axis, unique within the request and not empty.
+    /// Name of the axis, unique within the request: 1 to 256 bytes without control characters.
     #[prost(string, tag = "1")]
     pub axis: ::prost::alloc::string::String,
     /// What the axis moves in.
@@ -764,7 +764,7 @@ pub struct SamplePlanRequest {
     /// The plan to evaluate. Needed.
     #[prost(message, optional, tag = "1")]
     pub plan: ::core::option::Option<Plan>,
-    /// The first cycle wanted, 0 .. cycle_count.
+    /// The first cycle wanted, 0 .. cycle_count; past that VALUE_OUT_OF_RANGE.
     #[prost(uint64, tag = "2")]
     pub first_cycle: u64,
     /// How many cycles. 0: to the end of the plan.
@@ -1711,7 +1711,8 @@ impl ::prost::Name for StreamSetpointsRequest {
 /// Begins or continues a stream.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Open {
-    /// Name of the stream, chosen by the axis, not empty, e.g. "cell-7/x".
+    /// Name of the stream, chosen by the axis: 1 to 256 bytes without control characters, e.g.
+    /// "cell-7/x".
     #[prost(string, tag = "1")]
     pub stream: ::prost::alloc::string::String,
     /// Chosen by the axis, > 0 and larger at every open: the newest open wins.
@@ -1721,10 +1722,11 @@ pub struct Open {
     /// the server's default, 40.
     #[prost(uint32, tag = "3")]
     pub lead_cycles: u32,
-    /// Cycles per batch, >= 1. 0: the server's default, 10.
+    /// Cycles per batch at most, 1 .. 1000. 0: the server's default, 10.
     #[prost(uint32, tag = "4")]
     pub batch_cycles: u32,
-    /// A replacing batch must begin later than executed + axis_guard \[cycles\]. 0: the default, 2.
+    /// A replacing batch must begin later than executed + axis_guard \[cycles\], less than lead_cycles.
+    /// 0: the default, 2.
     #[prost(uint32, tag = "5")]
     pub axis_guard: u32,
     /// Finish when the plan ends, instead of standing still and waiting for the next goal.
@@ -2078,7 +2080,8 @@ impl ::prost::Name for TrackingColumns {
 /// Counts since the stream began.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct StreamCounters {
-    /// Times the buffer ran empty in motion, so that the stop tail had to be played.
+    /// Cycles that were due in motion and not held; where the stream had broken off, the one after
+    /// which the axis was stopped.
     #[prost(uint64, tag = "1")]
     pub underruns: u64,
     /// Cycles received again, equal to those held, and dropped.
@@ -2090,7 +2093,7 @@ pub struct StreamCounters {
     /// Messages of an epoch that was over.
     #[prost(uint64, tag = "4")]
     pub stale_epochs: u64,
-    /// The smallest lead seen in motion \[cycles\].
+    /// The smallest lead seen while cycles of the motion were still to come \[cycles\].
     #[prost(uint64, tag = "5")]
     pub least_lead_cycles: u64,
     /// Cycles that began later than one period after they were due.
@@ -2617,7 +2620,8 @@ pub mod setpoint_service_client {
             self.inner = self.inner.max_encoding_message_size(limit);
             self
         }
-        /// The stream itself: the axis opens, reports and may operate; the server sends batches.
+        /// The stream itself: the axis opens, reports and may operate; the server sends batches. A message
+        /// larger than the server reads ends it with RESOURCE_EXHAUSTED, MESSAGE_TOO_LARGE.
         pub async fn stream_setpoints(
             &mut self,
             request: impl tonic::IntoStreamingRequest<
@@ -2716,7 +2720,8 @@ pub mod setpoint_service_server {
             >
             + std::marker::Send
             + 'static;
-        /// The stream itself: the axis opens, reports and may operate; the server sends batches.
+        /// The stream itself: the axis opens, reports and may operate; the server sends batches. A message
+        /// larger than the server reads ends it with RESOURCE_EXHAUSTED, MESSAGE_TOO_LARGE.
         async fn stream_setpoints(
             &self,
             request: tonic::Request<tonic::Streaming<super::StreamSetpointsRequest>>,
@@ -3024,7 +3029,8 @@ pub struct AxisModel {
     /// Seed of the measurement noise; the same seed gives the same noise. 0: no noise.
     #[prost(uint64, tag = "5")]
     pub noise_seed: u64,
-    /// Pulses per m or rad, > 0; for axes of kind PULSES only.
+    /// Pulses per m or rad, > 0; for axes of kind PULSES only. 0: 1, so that a pulse counts as one m or
+    /// rad; an ideal follower does not care.
     #[prost(double, tag = "6")]
     pub pulses_per_unit: f64,
 }
@@ -3186,19 +3192,20 @@ impl ::prost::Name for Mechanics {
         "/motion.v1.Mechanics".into()
     }
 }
-/// A cascade of position, velocity and current loops.
+/// A cascade of position, velocity and current loops. Refused with SERVO_UNSTABLE where the loops,
+/// closed around the mechanics without friction and limits, are unstable.
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct Servo {
-    /// Velocity per following error \[1/s\], > 0.
+    /// Velocity per following error \[1/s\], > 0. 0: 50.
     #[prost(double, tag = "1")]
     pub position_gain: f64,
-    /// Effort per velocity error \[N s/m or N m s/rad\], > 0.
+    /// Effort per velocity error \[N s/m or N m s/rad\], > 0. 0: 4 position_gain times the inertia.
     #[prost(double, tag = "2")]
     pub velocity_gain: f64,
-    /// Integral time of the velocity loop \[s\]; 0: no integral part.
+    /// Integral time of the velocity loop \[s\], > 0. 0: 1 / position_gain.
     #[prost(double, tag = "3")]
     pub velocity_integral_time: f64,
-    /// Bandwidth of the current loop, a first-order lag \[Hz\]; 0: no lag.
+    /// Bandwidth of the current loop, a first-order lag \[Hz\], > 0. 0: 1000.
     #[prost(double, tag = "4")]
     pub current_loop_bandwidth: f64,
     /// Share of the setpoint's velocity fed forward \[1\], 0 .. 1.
@@ -3207,10 +3214,11 @@ pub struct Servo {
     /// Share of the setpoint's acceleration fed forward \[1\], 0 .. 1.
     #[prost(double, tag = "6")]
     pub acceleration_feedforward: f64,
-    /// Period of the servo and of the mechanics \[s\]; divides the cycle.
+    /// Period of the servo and of the mechanics \[s\], 50e-6 .. 100e-6; divides the cycle. 0: the longest
+    /// that does.
     #[prost(double, tag = "7")]
     pub substep: f64,
-    /// Delay from setpoint to servo \[s\], >= 0.
+    /// Delay from setpoint to servo \[s\], 0 .. 0.1.
     #[prost(double, tag = "8")]
     pub command_delay: f64,
 }
@@ -3244,10 +3252,10 @@ impl ::prost::Name for Encoder {
 /// Asks the axis to follow a plan.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct RunTrackingRequest {
-    /// Name of the stream to open. Needed.
+    /// Name of the stream to open: 1 to 256 bytes without control characters.
     #[prost(string, tag = "1")]
     pub stream: ::prost::alloc::string::String,
-    /// Planner replicas as URIs, tried in order, with fail-over among them; at least one.
+    /// Planner replicas as <http://host:port,> tried in order; at least one.
     #[prost(string, repeated, tag = "2")]
     pub endpoints: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
     /// The motion to follow. Needed.
@@ -3262,14 +3270,15 @@ pub struct RunTrackingRequest {
     /// As fast as setpoints arrive instead of one cycle per period; the same numbers.
     #[prost(bool, tag = "6")]
     pub virtual_time: bool,
-    /// How long to watch the load after the last setpoint, >= 0. Unset: the process's own.
+    /// How long to watch the load after the last setpoint, 0 .. 60 s. Unset: the process's own.
     #[prost(message, optional, tag = "7")]
     pub settle_window: ::core::option::Option<::prost_types::Duration>,
     /// How near to the goal counts as settled \[u\], > 0. 0: the process's own.
     #[prost(double, tag = "8")]
     pub settle_tolerance: f64,
     /// Keep the stream open at rest for further operations. Unset: it closes at rest, and the report
-    /// follows the settle window.
+    /// follows the settle window. In virtual time nothing more is sent once the settle window is over:
+    /// time stands still until the stream ends.
     #[prost(bool, tag = "9")]
     pub stay_open: bool,
     /// Take a plan that does not guarantee velocity and acceleration.
@@ -3380,11 +3389,12 @@ pub struct AxisReportCard {
     /// Root mean square of setpoint minus measured position over the motion \[u\].
     #[prost(double, tag = "4")]
     pub rms_following_error: f64,
-    /// Largest excursion of the load past the goal in the direction of travel \[u\], >= 0.
+    /// Largest excursion of the load past the goal in the direction of travel, and past whatever the
+    /// setpoints themselves reach beyond it between two cycles \[u\], >= 0.
     #[prost(double, tag = "5")]
     pub overshoot: f64,
     /// From the last setpoint to within the settle tolerance for good \[s\]. Unset: did not settle in
-    /// the window.
+    /// the window, or the motion broke off.
     #[prost(double, optional, tag = "6")]
     pub settling_time: ::core::option::Option<f64>,
     /// Half the peak-to-peak motion of the load in the settle window \[u\].
@@ -3658,6 +3668,14 @@ pub mod sim_axis_service_client {
         }
         /// Subscribes to a setpoint stream, drives the servo model cycle by cycle, returns tracking while
         /// it runs and a report at the end.
+        ///
+        /// Before anything moves: PLANNER_UNREACHABLE where none of the endpoints answers, NOT_A_PLANNER
+        /// where one answers otherwise, SERVO_UNSTABLE where the loops of a model are, and what the planner
+        /// itself refuses. A run that ends badly sends its report until there first and then a status:
+        /// STREAM_BROKEN, or the reason for which the planner ended the stream, with the metadata
+        /// executed_cycle and motion_end; AXIS_DIVERGED, with the metadata axis and cycle, where an axis
+        /// has left its setpoints by more than a thousand times its travel (at least 1000 m or rad), or
+        /// its numbers are not finite: the report then ends with the cycle before.
         pub async fn run_tracking(
             &mut self,
             request: impl tonic::IntoRequest<super::RunTrackingRequest>,
@@ -3781,6 +3799,14 @@ pub mod sim_axis_service_server {
             + 'static;
         /// Subscribes to a setpoint stream, drives the servo model cycle by cycle, returns tracking while
         /// it runs and a report at the end.
+        ///
+        /// Before anything moves: PLANNER_UNREACHABLE where none of the endpoints answers, NOT_A_PLANNER
+        /// where one answers otherwise, SERVO_UNSTABLE where the loops of a model are, and what the planner
+        /// itself refuses. A run that ends badly sends its report until there first and then a status:
+        /// STREAM_BROKEN, or the reason for which the planner ended the stream, with the metadata
+        /// executed_cycle and motion_end; AXIS_DIVERGED, with the metadata axis and cycle, where an axis
+        /// has left its setpoints by more than a thousand times its travel (at least 1000 m or rad), or
+        /// its numbers are not finite: the report then ends with the cycle before.
         async fn run_tracking(
             &self,
             request: tonic::Request<super::RunTrackingRequest>,

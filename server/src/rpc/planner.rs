@@ -1,6 +1,6 @@
 use ::planner::{Judged, Request as PlanRequest, RequestSpec, certify, certify_against};
 use proto::pb::planner_service_server::PlannerService;
-use proto::{Rejected, pb, plan_as_it_is, plan_to_wire};
+use proto::{Rejected, pb, plan_as_it_is_in, plan_to_wire, within};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
@@ -28,7 +28,7 @@ fn plan(wire: pb::PlanRequest) -> Result<pb::PlanResponse, Rejected> {
 /// question. Only of a motion that passes is it an error that the plan misstates it.
 fn verify(wire: pb::VerifyPlanRequest) -> Result<pb::VerifyPlanResponse, Rejected> {
     let pb::VerifyPlanRequest { plan, against } = wire;
-    let (plan, misstated) = plan_as_it_is(plan.unwrap_or_default()).map_err(sample::within_plan)?;
+    let (plan, misstated) = plan_as_it_is_in("plan", plan)?;
     let certificate = if against.is_empty() {
         certify(&plan)
     } else {
@@ -36,7 +36,7 @@ fn verify(wire: pb::VerifyPlanRequest) -> Result<pb::VerifyPlanResponse, Rejecte
         certify_against(&plan, pairs.iter().map(|(limits, goal)| (limits, *goal)))
     };
     if certificate.passed() {
-        misstated.into_result(()).map_err(sample::within_plan)?;
+        misstated.into_result(()).map_err(|inner| within("plan", inner))?;
     }
     Ok(pb::VerifyPlanResponse { certificate: Some((&certificate).into()) })
 }

@@ -1,5 +1,4 @@
-use planner::{Field, InvalidFields, Judged};
-use proto::{Chunk, Reason, Rejected, Sampling, pb, plan_from_wire};
+use proto::{Chunk, Reason, Rejected, Sampling, accepted_in, pb};
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::Status;
@@ -9,18 +8,10 @@ const AHEAD: usize = 2;
 
 type Outgoing = mpsc::Sender<Result<pb::SamplePlanResponse, Status>>;
 
-/// Says that what is wrong is wrong with the plan of the request.
-pub(super) fn within_plan(inner: InvalidFields) -> InvalidFields {
-    let mut invalid = InvalidFields::default();
-    invalid.extend_within(&Field::named("plan"), inner);
-    invalid
-}
-
 /// The plan of a request, ready to be read out; its last cycle is at most `most`.
 pub(super) fn sampling(wire: pb::SamplePlanRequest, most: u64) -> Result<Sampling, Rejected> {
     let pb::SamplePlanRequest { plan, first_cycle, cycles } = wire;
-    let plan = plan_from_wire(plan.unwrap_or_default()).map_err(within_plan)?;
-    let sampling = Sampling::new(Judged::new(plan).accepted()?, first_cycle, cycles)?;
+    let sampling = Sampling::new(accepted_in("plan", plan)?, first_cycle, cycles)?;
     let last = sampling.last_cycle();
     if last > most {
         let text = format!(

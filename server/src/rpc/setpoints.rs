@@ -1,12 +1,12 @@
 use proto::pb;
 use proto::pb::setpoint_service_server::SetpointService;
 use proto::{Reason, Rejected};
+use serving::Leaving;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status, Streaming};
 
 use super::not_implemented;
-use crate::Leaving;
 use crate::drive;
 use crate::streams::Streams;
 
@@ -35,14 +35,14 @@ impl SetpointService for Setpoints {
         &self,
         request: Request<Streaming<pb::StreamSetpointsRequest>>,
     ) -> Result<Response<Self::StreamSetpointsStream>, Status> {
-        if self.leaving.soon.is_cancelled() {
+        if self.leaving.has_begun() {
             let text = "this server is about to leave: open the stream on another";
             return Err(Rejected::new(Reason::Draining, text).into());
         }
         let (sender, receiver) = mpsc::channel(AHEAD);
         let Self { streams, served_by, leaving } = self.clone();
-        let open = leaving.streams.clone();
-        open.spawn(drive::drive(request.into_inner(), sender, streams, served_by, leaving));
+        let session = drive::drive(request.into_inner(), sender, streams, served_by, leaving);
+        self.leaving.spawn(session);
         Ok(Response::new(ReceiverStream::new(receiver)))
     }
 

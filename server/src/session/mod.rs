@@ -17,8 +17,8 @@ use std::collections::VecDeque;
 
 use planner::Quantity;
 use proto::stream::{
-    Batch, Columns, FromAxis, Motion, Open, Opened, OperationRefusal, Phase, Report, StreamEvent,
-    StreamEventKind, ToAxis,
+    BATCH_CYCLES, Batch, Columns, FromAxis, Motion, Open, Opened, OperationRefusal, Phase, Report,
+    StreamEvent, StreamEventKind, ToAxis,
 };
 use proto::{Digest, Reason, Rejected};
 
@@ -57,9 +57,6 @@ pub enum Output {
 /// How often a batch is sent again that the axis does not take, before the session gives up.
 const MOST_REFUSALS: u32 = 3;
 
-/// The largest batch \[cycles\], whatever the axis asks for: it bounds the size of a message.
-const LARGEST_BATCH: u64 = 1000;
-
 /// One open stream.
 #[derive(Debug)]
 pub struct Session {
@@ -87,10 +84,8 @@ impl Session {
     pub fn open(open: Open, served_by: &str) -> Result<Self, Rejected> {
         let Open { epoch, lead_cycles, batch_cycles, close_at_rest, executed_cycle, .. } = open;
         if executed_cycle != 0 {
-            let text = format!(
-                "executed_cycle is {executed_cycle}: a stream that opens with a plan begins at cycle 0"
-            );
-            return Err(Rejected::new(Reason::ProtocolOrder, text));
+            let text = format!("is {executed_cycle}: a stream that opens with a plan begins at cycle 0");
+            return Err(Rejected::for_field("open.executed_cycle", Reason::ValueOutOfRange, text));
         }
         let motion = motion(&open)?;
         let opened = Opened {
@@ -102,7 +97,7 @@ impl Session {
         let mut session = Self {
             motion,
             close_at_rest,
-            batch_cycles: u64::from(batch_cycles).clamp(1, LARGEST_BATCH),
+            batch_cycles: u64::from(batch_cycles.clamp(*BATCH_CYCLES.start(), *BATCH_CYCLES.end())),
             credit: Credit::first(u64::from(lead_cycles)),
             ledger: Ledger::default(),
             refusals: 0,
@@ -287,10 +282,11 @@ fn motion(open: &Open) -> Result<Motion, Rejected> {
     if !proved && !open.accept_unproved {
         let text = "the plan does not guarantee velocity and acceleration: plan with a family that does, or set \
                     accept_unproved";
-        return Err(Rejected::new(Reason::NotProved, text));
+        return Err(Rejected::for_field("open.plan", Reason::NotProved, text));
     }
-    let (plan, closing_from_cycle) = match plan.with_closing_stop()? {
-        Some((stopped, from)) => (planner::Judged::new(stopped).accepted()?, Some(from)),
+    let within_plan = |invalid| proto::within("open.plan", invalid);
+    let (plan, closing_from_cycle) = match plan.with_closing_stop().map_err(within_plan)? {
+        Some((stopped, from)) => (proto::accepted("open.plan", stopped)?, Some(from)),
         None => (open.plan.clone(), None),
     };
     Ok(Motion {

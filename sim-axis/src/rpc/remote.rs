@@ -1,10 +1,10 @@
 //! An axis simulator elsewhere, seen from whoever asks it to follow a plan.
 
-use client::Error;
+use client::{Error, address};
 use proto::pb::run_tracking_response::Message;
 use proto::pb::sim_axis_service_client::SimAxisServiceClient;
 use proto::{Rejected, pb, plan_to_wire};
-use tonic::transport::{Channel, Endpoint};
+use tonic::transport::Channel;
 use tonic::{Status, Streaming};
 
 use crate::clock::Clock;
@@ -32,15 +32,11 @@ impl RemoteAxis {
     /// Connects to the simulator at `endpoint`: `http://127.0.0.1:50052`, or without the scheme.
     ///
     /// # Errors
-    /// [`Error::Unreachable`] where nobody answers, or where the address is none.
+    /// [`Error::Address`] where the address is none, [`Error::Unreachable`] where nobody answers.
     pub async fn connect(endpoint: &str) -> Result<Self, Error> {
-        let address = if endpoint.contains("://") { endpoint.into() } else { format!("http://{endpoint}") };
-        let unreachable = |error| Error::unreachable(endpoint, &error);
-        let channel = Endpoint::from_shared(address).map_err(unreachable)?;
-        let channel = channel.tcp_nodelay(true).connect().await.map_err(unreachable)?;
-        let service = SimAxisServiceClient::new(channel)
-            .max_encoding_message_size(MAX_MESSAGE)
-            .max_decoding_message_size(MAX_MESSAGE);
+        let address = address(endpoint)?.tcp_nodelay(true);
+        let channel = address.connect().await.map_err(|error| Error::unreachable(endpoint, &error))?;
+        let service = SimAxisServiceClient::new(channel).max_decoding_message_size(MAX_MESSAGE);
         Ok(Self { endpoint: endpoint.into(), service })
     }
 
@@ -49,7 +45,8 @@ impl RemoteAxis {
     /// # Errors
     /// [`Error::Rejected`] with every field that is invalid, or with what the planner says that does not open the stream.
     pub async fn track(&self, request: TrackRequest) -> Result<RemoteRun, Error> {
-        let response = self.service.clone().run_tracking(to_wire(request)).await;
+        let request = Error::unless_fits(&self.endpoint, to_wire(request), MAX_MESSAGE)?;
+        let response = self.service.clone().run_tracking(request).await;
         let incoming = response.map_err(|status| self.error(&status))?.into_inner();
         Ok(RemoteRun { endpoint: self.endpoint.clone(), incoming, report: None })
     }

@@ -1,7 +1,7 @@
 //! From a request on the wire to one that can be run, or to everything that is wrong with it.
 
-use planner::{Accepted, AxisKind, Field, InvalidFields, Judged, Plan};
-use proto::stream::DEFAULT_LEAD_CYCLES;
+use planner::{AxisKind, Plan, wrong_name};
+use proto::stream::{DEFAULT_LEAD_CYCLES, LEAD_CYCLES};
 use proto::{FieldViolation, Reason, Rejected, pb};
 
 use crate::audit::InvalidField;
@@ -10,9 +10,6 @@ use crate::clock::Clock;
 use crate::model::{AxisModel, AxisModelSpec};
 use crate::models::Models;
 use crate::run::{DEFAULT_SETTLE_WINDOW, TrackRequest};
-
-/// How far ahead setpoints can be held [cycles].
-const LEAD_CYCLES: std::ops::RangeInclusive<u32> = 10..=250;
 
 /// The run that is asked for, on axes of `own` where the request has no model.
 pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Result<TrackRequest, Rejected> {
@@ -29,35 +26,41 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
         accept_unproved,
     } = wire;
     let mut faults = Faults::default();
-    if stream.is_empty() {
-        faults.note("stream", Reason::ProtocolOrder, "is empty: name the stream to open, as cell-7/x");
+    if let Some(why) = wrong_name(&stream) {
+        faults.note("stream", Reason::NameInvalid, why);
     }
     if endpoints.is_empty() {
         let text = "is empty: name at least one planner, as http://127.0.0.1:50051";
-        faults.note("endpoints", Reason::ProtocolOrder, text);
+        faults.note("endpoints", Reason::FieldMissing, text);
+    }
+    for (index, endpoint) in endpoints.iter().enumerate() {
+        if let Err(error) = client::address(endpoint) {
+            faults.note(format!("endpoints[{index}]"), Reason::EndpointInvalid, error);
+        }
     }
     let plan = faults.plan(plan);
     let models = faults.models(models, plan.as_ref(), own);
     if lead_cycles != 0 && !LEAD_CYCLES.contains(&lead_cycles) {
         let (least, most) = LEAD_CYCLES.into_inner();
         let text = format!("is {lead_cycles}: hold {least} to {most} cycles, or 0 for {DEFAULT_LEAD_CYCLES}");
-        faults.note("lead_cycles", Reason::LimitNotPositive, text);
+        faults.note("lead_cycles", Reason::ValueOutOfRange, text);
     }
     let settle_window = settle_window.map_or(DEFAULT_SETTLE_WINDOW, seconds);
     if !(0.0..=MOST_SETTLE_WINDOW).contains(&settle_window) {
         let text = InvalidConfig::SettleWindow { window: settle_window, most: MOST_SETTLE_WINDOW };
-        faults.note("settle_window", Reason::LimitNotPositive, text);
+        faults.note("settle_window", Reason::ValueOutOfRange, text);
     }
     if !(settle_tolerance >= 0.0 && settle_tolerance.is_finite()) {
-        let reason = if settle_tolerance.is_finite() { Reason::LimitNotPositive } else { Reason::NotFinite };
+        let reason = if settle_tolerance.is_finite() { Reason::ValueOutOfRange } else { Reason::NotFinite };
         let text = InvalidConfig::SettleTolerance { tolerance: settle_tolerance };
         faults.note("settle_tolerance", reason, text);
     }
     let plan = faults.none_in(plan)?;
+    let plan = proto::accepted("plan", plan)?;
     Ok(TrackRequest {
         stream,
         endpoints,
-        plan: accepted(plan)?,
+        plan,
         models,
         clock: if virtual_time { Clock::Virtual } else { Clock::Wall },
         lead_cycles: if lead_cycles == 0 { DEFAULT_LEAD_CYCLES } else { lead_cycles },
@@ -66,26 +69,6 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
         stay_open,
         accept_unproved,
     })
-}
-
-/// Why an axis cannot be run as the request says, with the field that says so.
-pub(super) fn unsuitable(axis: &str, cause: &InvalidConfig) -> Rejected {
-    let (field, reason) = match cause {
-        InvalidConfig::SubstepDoesNotDivide { .. } | InvalidConfig::Cycle { .. } => {
-            ("plan.cycle_time", Reason::CycleTimeInvalid)
-        }
-        InvalidConfig::SettleWindow { .. } => ("settle_window", Reason::LimitNotPositive),
-        InvalidConfig::SettleTolerance { .. } => ("settle_tolerance", Reason::LimitNotPositive),
-        InvalidConfig::Start { .. } => ("plan.axes", Reason::NotFinite),
-        InvalidConfig::EffortScale { .. } => ("effort_limit_scale", Reason::LimitNotPositive),
-    };
-    let text = format!("axis {axis:?}: {cause}");
-    let violation = FieldViolation::new(field, reason, text.clone());
-    Rejected::for_fields(vec![violation]).unwrap_or_else(|| Rejected::new(reason, text))
-}
-
-fn accepted(plan: Plan) -> Result<Accepted, Rejected> {
-    Ok(Judged::new(plan).accepted()?)
 }
 
 fn seconds(wire: prost_types::Duration) -> f64 {
@@ -103,16 +86,7 @@ impl Faults {
     }
 
     fn plan(&mut self, wire: Option<pb::Plan>) -> Option<Plan> {
-        let Some(wire) = wire else {
-            self.note("plan", Reason::ProtocolOrder, "is not set: send a plan, as Plan answers it");
-            return None;
-        };
-        let plan = proto::plan_from_wire(wire).map_err(|inner| {
-            let mut invalid = InvalidFields::default();
-            invalid.extend_within(&Field::named("plan"), inner);
-            self.0.extend(Rejected::from(invalid).fields);
-        });
-        plan.ok()
+        proto::plan_in("plan", wire).map_err(|rejected| self.0.extend(rejected.fields)).ok()
     }
 
     /// One model for each axis of the plan, as far as that is known.
@@ -136,7 +110,7 @@ impl Faults {
             if has_pulses && axis.is_some_and(|axis| axis.kind != AxisKind::Pulses) {
                 let text =
                     format!("is {}, and the axis is not in pulses: leave it at 0", wire.pulses_per_unit);
-                self.note(path("pulses_per_unit"), Reason::KindUnspecified, text);
+                self.note(path("pulses_per_unit"), Reason::ValueOutOfRange, text);
             }
             match AxisModel::try_from(spec(wire, own)) {
                 Ok(model) => models.push(model),
@@ -148,8 +122,17 @@ impl Faults {
             }
             names.push(name);
         }
-        for axis in axes.iter().filter(|axis| !names.contains(&axis.axis)) {
-            models.push(own.of(&axis.axis));
+        for (index, axis) in axes.iter().enumerate().filter(|(_, axis)| !names.contains(&axis.axis)) {
+            let model = own.of(&axis.axis);
+            let pulses = model.spec().pulses_per_unit;
+            if (pulses - 1.0).abs() > 0.0 && axis.kind != AxisKind::Pulses {
+                let text = format!(
+                    "is not in pulses, and the simulator's own model of the axis has {pulses} of them per unit: plan in \
+                     pulses, or send a model"
+                );
+                self.note(format!("plan.axes[{index}].kind"), Reason::ValueOutOfRange, text);
+            }
+            models.push(model);
         }
         models
     }
@@ -159,7 +142,7 @@ impl Faults {
         match (Rejected::for_fields(self.0), value) {
             (None, Some(value)) => Ok(value),
             (Some(rejected), _) => Err(rejected),
-            (None, None) => Err(Rejected::new(Reason::ProtocolOrder, "the plan cannot be read: plan again")),
+            (None, None) => Err(Rejected::for_field("plan", Reason::FieldMissing, "is not set: plan again")),
         }
     }
 }
@@ -178,7 +161,7 @@ fn spec(wire: pb::AxisModel, own: &Models) -> AxisModelSpec {
 fn reason(field: &InvalidField) -> Reason {
     match field {
         InvalidField::NotFinite { .. } => Reason::NotFinite,
-        InvalidField::NotPositive { .. } | InvalidField::OutOfRange { .. } => Reason::LimitNotPositive,
+        InvalidField::NotPositive { .. } | InvalidField::OutOfRange { .. } => Reason::ValueOutOfRange,
     }
 }
 
@@ -206,7 +189,7 @@ mod tests {
             ..pb::PlanRequest::default()
         };
         let request = planner::Request::try_from(planner::RequestSpec::from(request)).unwrap();
-        proto::plan_to_wire(&Judged::answer(&request).unwrap())
+        proto::plan_to_wire(&planner::Judged::answer(&request).unwrap())
     }
 
     fn sound() -> pb::RunTrackingRequest {
@@ -241,7 +224,7 @@ mod tests {
         let window = prost_types::Duration { seconds: -1, nanos: 0 };
         let request = pb::RunTrackingRequest {
             stream: String::new(),
-            endpoints: vec![],
+            endpoints: vec!["http://127.0.0.1:50051".into(), "foo bar".into()],
             models: vec![
                 two_mass("x", 1e5),
                 two_mass("y", -1.0),
@@ -258,15 +241,15 @@ mod tests {
         let found: Vec<(&str, Reason)> =
             rejected.fields.iter().map(|field| (field.field.as_str(), field.reason)).collect();
         let expected = [
-            ("stream", Reason::ProtocolOrder),
-            ("endpoints", Reason::ProtocolOrder),
-            ("models[1].mechanics.two_mass.stiffness", Reason::LimitNotPositive),
+            ("stream", Reason::NameInvalid),
+            ("endpoints[1]", Reason::EndpointInvalid),
+            ("models[1].mechanics.two_mass.stiffness", Reason::ValueOutOfRange),
             ("models[2].axis", Reason::UnknownAxis),
             ("models[3].axis", Reason::DuplicateAxis),
             ("models[4].axis", Reason::DuplicateAxis),
-            ("models[4].pulses_per_unit", Reason::KindUnspecified),
-            ("lead_cycles", Reason::LimitNotPositive),
-            ("settle_window", Reason::LimitNotPositive),
+            ("models[4].pulses_per_unit", Reason::ValueOutOfRange),
+            ("lead_cycles", Reason::ValueOutOfRange),
+            ("settle_window", Reason::ValueOutOfRange),
             ("settle_tolerance", Reason::NotFinite),
         ];
         assert_eq!(found, expected);
@@ -276,7 +259,7 @@ mod tests {
     fn a_plan_is_needed_and_has_to_be_one() {
         let without = pb::RunTrackingRequest { plan: None, ..sound() };
         let rejected = track_request(without, &Models::default()).unwrap_err();
-        assert_eq!(rejected.fields[0].field, "plan");
+        assert_eq!((rejected.fields[0].field.as_str(), rejected.reason), ("plan", Reason::FieldMissing));
         let mut wire = sound();
         wire.plan.as_mut().unwrap().axes[0].kind = 99;
         let rejected = track_request(wire, &Models::default()).unwrap_err();
@@ -284,6 +267,15 @@ mod tests {
         let mut wire = sound();
         wire.plan.as_mut().unwrap().axes[1].segments[2].duration += 1.0;
         let rejected = track_request(wire, &Models::default()).unwrap_err();
-        assert_eq!(rejected.reason, Reason::PlanRejected);
+        assert_eq!((rejected.reason, rejected.metadata["axis"].as_str()), (Reason::PlanRejected, "y"));
+        assert_eq!(rejected.fields[0].field, "plan.axes[1].segments");
+    }
+
+    #[test]
+    fn a_model_in_pulses_of_the_simulators_own_is_not_for_a_plan_in_metres() {
+        let own = AxisModelSpec { pulses_per_unit: 1000.0, ..AxisModelSpec::ideal("y") };
+        let rejected = track_request(sound(), &Models::new(vec![own]).unwrap()).unwrap_err();
+        let field = &rejected.fields[0];
+        assert_eq!((field.field.as_str(), field.reason), ("plan.axes[1].kind", Reason::ValueOutOfRange));
     }
 }

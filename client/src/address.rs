@@ -1,0 +1,46 @@
+use tonic::transport::Endpoint;
+
+use crate::Error;
+
+/// The address that `endpoint` writes, `http://127.0.0.1:50051` or the same without the scheme, as something to connect to.
+///
+/// # Errors
+/// [`Error::Address`] where it is none, or asks for encryption, which is not offered yet. Whether anybody answers there is
+/// not asked.
+pub fn address(endpoint: &str) -> Result<Endpoint, Error> {
+    let invalid = |cause: String| Error::Address { endpoint: endpoint.into(), cause };
+    let uri = if endpoint.contains("://") { endpoint.into() } else { format!("http://{endpoint}") };
+    let address = Endpoint::from_shared(uri)
+        .map_err(|error| invalid(proto::unreachable(&error).message().to_owned()))?;
+    match (address.uri().scheme_str(), address.uri().host()) {
+        (Some("http"), Some(host)) if !host.is_empty() => Ok(address),
+        (Some("https"), _) => Err(invalid("encryption is not offered yet".into())),
+        (Some("http") | None, _) => Err(invalid("it names no host".into())),
+        (Some(scheme), _) => Err(invalid(format!("the scheme is {scheme}"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_address_is_said_before_anybody_is_asked() {
+        for good in ["http://127.0.0.1:50051", "127.0.0.1:50051", "planner:50051", "http://[::1]:50051/"] {
+            assert!(address(good).is_ok(), "{good}");
+        }
+        let rows = [
+            ("foo bar", "invalid uri character"),
+            ("", "invalid"),
+            ("http://", "invalid"),
+            ("https://planner:443", "encryption is not offered yet"),
+            ("ftp://planner:21", "the scheme is ftp"),
+            ("http://:50051", "it names no host"),
+        ];
+        for (bad, said) in rows {
+            let Err(error) = address(bad) else { panic!("{bad:?} is no address") };
+            let text = error.to_string();
+            assert!(text.contains(said) && text.contains("http://host:port"), "{bad:?}: {text}");
+        }
+    }
+}

@@ -1,0 +1,203 @@
+use std::convert::Infallible;
+use std::fmt;
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use tokio::net::TcpListener;
+use tokio_util::sync::CancellationToken;
+use tonic::body::Body;
+use tonic::codegen::{Service, http};
+use tonic::server::NamedService;
+use tonic::service::{Routes, RoutesBuilder};
+use tonic::transport::server::TcpIncoming;
+use tonic_health::ServingStatus;
+use tonic_health::server::HealthReporter;
+use tower::util::{MapRequestLayer, MapResponseLayer};
+
+use crate::leaving::{FAREWELL, Leaving};
+use crate::refusals::{of_request, of_response};
+use crate::settings::{Misfits, Settings};
+
+/// A process that has its port and does not serve yet.
+#[derive(Debug)]
+pub struct Bound {
+    settings: Settings,
+    listener: TcpListener,
+    address: SocketAddr,
+}
+
+/// What a process serves beside health and reflection.
+pub struct Services {
+    schema: &'static [u8],
+    routes: RoutesBuilder,
+    names: Vec<&'static str>,
+}
+
+/// Why a process cannot serve.
+#[derive(Debug, thiserror::Error)]
+pub enum ServeError {
+    /// Settings that cannot be.
+    #[error(transparent)]
+    Settings(#[from] Misfits),
+    /// The port cannot be had.
+    #[error("cannot listen on {address}: {cause}; choose another with --listen")]
+    Bind {
+        /// The address.
+        address: SocketAddr,
+        /// What the system says.
+        cause: std::io::Error,
+    },
+    /// Serving failed.
+    #[error("cannot serve: {0}")]
+    Serve(#[from] tonic::transport::Error),
+    /// The reflection service cannot read the schema.
+    #[error("cannot offer reflection: {0}")]
+    Reflection(#[from] tonic_reflection::server::Error),
+}
+
+impl Services {
+    /// None yet, of a schema that is an encoded `google.protobuf.FileDescriptorSet`.
+    #[must_use]
+    pub fn of_schema(schema: &'static [u8]) -> Self {
+        Self { schema, routes: RoutesBuilder::default(), names: Vec::new() }
+    }
+
+    /// One more.
+    #[must_use]
+    pub fn with<S>(mut self, service: S) -> Self
+    where
+        S: Service<http::Request<Body>, Response = http::Response<Body>, Error = Infallible>
+            + NamedService
+            + Clone
+            + Send
+            + Sync
+            + 'static,
+        S::Future: Send + 'static,
+    {
+        self.names.push(S::NAME);
+        self.routes.add_service(service);
+        self
+    }
+
+    /// With reflection of exactly what is served, in both versions that tools ask for.
+    fn into_routes<H>(self, health: H) -> Result<Routes, tonic_reflection::server::Error>
+    where
+        H: Service<http::Request<Body>, Response = http::Response<Body>, Error = Infallible>
+            + NamedService
+            + Clone
+            + Send
+            + Sync
+            + 'static,
+        H::Future: Send + 'static,
+    {
+        let Self { schema, mut routes, names } = self;
+        let reflection = || {
+            let builder = tonic_reflection::server::Builder::configure()
+                .register_encoded_file_descriptor_set(schema)
+                .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
+                .with_service_name(H::NAME);
+            names.iter().fold(builder, |builder, name| builder.with_service_name(*name))
+        };
+        routes.add_service(health);
+        routes.add_service(reflection().with_service_name(REFLECTION_V1).build_v1()?);
+        routes.add_service(reflection().with_service_name(REFLECTION_V1ALPHA).build_v1alpha()?);
+        Ok(routes.routes())
+    }
+}
+
+impl fmt::Debug for Services {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Services").field("names", &self.names).finish_non_exhaustive()
+    }
+}
+
+impl Bound {
+    /// Takes the port.
+    ///
+    /// # Errors
+    /// Settings that cannot be, and a port that is taken.
+    pub async fn to(settings: Settings) -> Result<Self, ServeError> {
+        let settings = settings.misfits().into_result(settings)?;
+        let address = settings.listen;
+        let bind_error = |cause| ServeError::Bind { address, cause };
+        let listener = TcpListener::bind(address).await.map_err(bind_error)?;
+        let address = listener.local_addr().map_err(bind_error)?;
+        Ok(Self { settings, listener, address })
+    }
+
+    /// Where the process listens.
+    #[must_use]
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Serves until `stop` completes; then says so, lets work end, and leaves at the drain deadline whatever is still going
+    /// on. Until the last moment it answers: health that it does not serve any more, and new work by what `leaving` tells
+    /// the services.
+    ///
+    /// # Errors
+    /// Failures of the transport.
+    pub async fn serve(
+        self,
+        services: Services,
+        leaving: Leaving,
+        stop: impl Future<Output = ()> + Send + 'static,
+    ) -> Result<(), ServeError> {
+        let Self { settings, listener, address } = self;
+        let (health, health_service) = tonic_health::server::health_reporter();
+        let names = services.names.clone();
+        tell(&health, &names, ServingStatus::Serving).await;
+        let most = settings.max_message_bytes;
+        let router = tonic::transport::Server::builder()
+            .initial_stream_window_size(settings.stream_window_bytes)
+            .initial_connection_window_size(settings.connection_window_bytes)
+            .http2_keepalive_interval(Some(KEEPALIVE_INTERVAL))
+            .http2_keepalive_timeout(Some(KEEPALIVE_TIMEOUT))
+            .layer(MapRequestLayer::new(move |request| of_request(request, most)))
+            .layer(MapResponseLayer::new(move |response| of_response(response, most)))
+            .add_routes(services.into_routes(health_service)?);
+
+        tracing::info!(%address, "serving");
+        let gone = CancellationToken::new();
+        let leave = {
+            let gone = gone.clone();
+            async move {
+                stop.await;
+                tracing::info!("draining: no new work, what is going on is told");
+                tell(&health, &names, ServingStatus::NotServing).await;
+                leaving.leave(settings.drain_deadline).await;
+                gone.cancel();
+            }
+        };
+        let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
+        let serving = router.serve_with_incoming_shutdown(incoming, leave);
+        let farewell = async {
+            gone.cancelled().await;
+            #[expect(
+                clippy::disallowed_methods,
+                reason = "who does not close is waited for this long and no longer"
+            )]
+            tokio::time::sleep(FAREWELL).await;
+        };
+        tokio::select! {
+            served = serving => served?,
+            () = farewell => {}
+        }
+        Ok(())
+    }
+}
+
+/// Tells whoever routes by health; the empty name is that of the whole process.
+async fn tell(health: &HealthReporter, names: &[&str], status: ServingStatus) {
+    for name in names.iter().chain([&""]) {
+        health.set_service_status(name, status).await;
+    }
+}
+
+/// How often a silent connection is asked whether it is still there, and how long it may take to answer: half-open
+/// connections end, and the work for them.
+const KEEPALIVE_INTERVAL: Duration = Duration::from_secs(10);
+const KEEPALIVE_TIMEOUT: Duration = Duration::from_secs(5);
+
+const REFLECTION_V1: &str = "grpc.reflection.v1.ServerReflection";
+const REFLECTION_V1ALPHA: &str = "grpc.reflection.v1alpha.ServerReflection";
