@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use proto::{JsonError, Rejected};
+use proto::{JsonError, Reason, Rejected};
 
 /// Everything that ends a command early.
 #[derive(Debug, thiserror::Error)]
@@ -56,6 +56,8 @@ impl Failure {
             | Self::NotAModel { .. }
             | Self::NotAlike
             | Self::Simulation { .. } => 2,
+            // An axis that does not get through to its planner.
+            Self::Refused(rejected) if rejected.reason == Reason::PlannerUnreachable => 4,
             Self::Refused(_) => 3,
             Self::Unreachable { .. } => 4,
         }

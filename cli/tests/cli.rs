@@ -216,7 +216,7 @@ fn a_plan_verifies_until_somebody_changes_it() {
         ("duration", json!(0.25), "duration"),
         ("fingerprint", json!("AAAA"), "fingerprint"),
         ("guaranteed", json!(["QUANTITY_VELOCITY"]), "guaranteed"),
-        ("method", json!({"family": "PROFILE_FAMILY_TRIGONOMETRIC", "order": 3}), "method.family"),
+        ("method", json!({"family": "PROFILE_FAMILY_TRAPEZOIDAL", "order": 2}), "method.family"),
     ];
     for (key, value, field) in lies {
         let mut lying = good.clone();

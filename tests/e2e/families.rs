@@ -122,25 +122,19 @@ fn rows() -> Vec<Row> {
             unsupported,
             order,
         ),
-        (
-            "no snap",
-            without(4, |limits| limits.max_snap = None),
-            InvalidArgument,
-            Reason::LimitNotPositive,
-            snap,
-        ),
+        ("no snap", without(4, |limits| limits.max_snap = None), InvalidArgument, Reason::FieldMissing, snap),
         (
             "no crackle",
             without(5, |limits| limits.max_higher_derivatives.clear()),
             InvalidArgument,
-            Reason::LimitNotPositive,
+            Reason::FieldMissing,
             higher,
         ),
         (
             "too few",
             without(8, |limits| limits.max_higher_derivatives.truncate(3)),
             InvalidArgument,
-            Reason::LimitNotPositive,
+            Reason::FieldMissing,
             higher,
         ),
         (

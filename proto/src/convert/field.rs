@@ -23,12 +23,15 @@ pub fn plan_as_it_is_in(field: &str, wire: Option<pb::Plan>) -> Result<(Plan, In
     plan_as_it_is(wire).map_err(|inner| within(field, inner))
 }
 
-/// The plan in the field called `field`, which the judge has nothing against.
+/// The plan in the field called `field`, which the judge has nothing against. What he finds comes before what the plan says
+/// of itself, since a change of the motion makes that untrue as well.
 ///
 /// # Errors
 /// Those of [`plan_in`] and of [`accepted`].
 pub fn accepted_in(field: &str, wire: Option<pb::Plan>) -> Result<Accepted, Rejected> {
-    accepted(field, plan_in(field, wire)?)
+    let (plan, misstated) = plan_as_it_is_in(field, wire)?;
+    let plan = accepted(field, plan)?;
+    misstated.into_result(plan).map_err(|inner| within(field, inner))
 }
 
 /// Says that what is wrong is wrong within the field called `field`.

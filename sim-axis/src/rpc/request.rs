@@ -265,7 +265,9 @@ mod tests {
         let rejected = track_request(wire, &Models::default()).unwrap_err();
         assert_eq!(rejected.fields[0].field, "plan.axes[0].kind");
         let mut wire = sound();
-        wire.plan.as_mut().unwrap().axes[1].segments[2].duration += 1.0;
+        let plan = wire.plan.as_mut().unwrap();
+        *plan = pb::Plan { fingerprint: vec![], cycle_count: 0, duration: 0.0, ..plan.clone() };
+        plan.axes[1].segments[2].duration += 1.0;
         let rejected = track_request(wire, &Models::default()).unwrap_err();
         assert_eq!((rejected.reason, rejected.metadata["axis"].as_str()), (Reason::PlanRejected, "y"));
         assert_eq!(rejected.fields[0].field, "plan.axes[1].segments");

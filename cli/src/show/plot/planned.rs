@@ -56,10 +56,10 @@ pub(crate) fn of_plan(plan: &Plan) -> Figure {
         to: from + segment.duration,
         label: (index + 1).to_string(),
     });
-    let (seconds, cycles) = (plain(plan.duration()), plan.cycle_count());
+    let (seconds, cycles) = (plain(plan.duration()), number::counted(plan.cycle_count(), "cycle"));
     Figure {
         title,
-        subtitle: format!("{seconds} s, {cycles} cycles of {}", number::cycle(plan.cycle_time())),
+        subtitle: format!("{seconds} s, {cycles} of {}", number::cycle(plan.cycle_time())),
         panels,
         bands_name,
         bands: bands.collect(),
