@@ -90,7 +90,9 @@ fn ends(number: usize, limits: [f64; 3]) -> Result<Panel, Box<dyn std::error::Er
     let [velocity, acceleration, jerk] = limits;
     let exact = {
         let limits = Limits::symmetric(velocity, acceleration, jerk)?;
-        plan_move(&Problem::new(State::default(), State::at_rest(WAY), limits, ShortPathPolicy::Reject)?)?
+        // To the number that f32 has for 50 mm, so that what is off is not how it was asked.
+        let goal = State::at_rest(f64::from(WAY as f32));
+        plan_move(&Problem::new(State::default(), goal, limits, ShortPathPolicy::Reject)?)?
     };
     // In millimetres and milliseconds, as the paper has it, with a cycle of one.
     let (v, a, j) = (velocity, acceleration / 1e3, jerk / 1e6);
