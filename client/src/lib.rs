@@ -17,12 +17,12 @@ mod setpoints;
 
 use std::time::Duration;
 
-use planner::{Certificate, Judged, Plan, RequestSpec};
+use planner::{Certificate, Judged, JudgedPvt, Plan, PvtRequestSpec, RequestSpec};
 use prost::Message;
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::{Columns, FromAxis, Open};
-use proto::{Against, Chunk, Digest, pb};
+use proto::{Against, Chunk, Digest, MAX_MESSAGE_BYTES, pb};
 use tonic::Streaming;
 use tonic::transport::Channel;
 
@@ -47,8 +47,6 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// What a stream, and a connection, may hold unread \[bytes\]: larger than any lead, so that credit does the pacing.
 const STREAM_WINDOW: u32 = 4 << 20;
 const CONNECTION_WINDOW: u32 = 16 << 20;
-/// The largest message where nothing else is said \[bytes\].
-const MAX_MESSAGE: usize = 64 << 20;
 
 impl Client {
     /// Connects to the server at `endpoint`: `http://127.0.0.1:50051`, or without the scheme.
@@ -68,11 +66,11 @@ impl Client {
             .map_err(|error| Error::unreachable(endpoint, &error))?;
         let connected = Self {
             endpoint: endpoint.into(),
-            most_bytes: MAX_MESSAGE,
+            most_bytes: MAX_MESSAGE_BYTES,
             planner: PlannerServiceClient::new(channel.clone()),
             setpoints: SetpointServiceClient::new(channel),
         };
-        Ok(connected.with_message_limit(MAX_MESSAGE))
+        Ok(connected.with_message_limit(MAX_MESSAGE_BYTES))
     }
 
     /// The same with another limit on messages, in either direction \[bytes\]: 64 MiB where nothing is said. Beyond it calls
@@ -103,6 +101,17 @@ impl Client {
         let response = self.planner.clone().plan(request).await;
         let plan = self.answer(response)?.plan.unwrap_or_default();
         Ok(Judged::new(proto::plan_from_wire(plan).map_err(Error::unreadable)?))
+    }
+
+    /// Plans a motion through points of position, velocity and time. The certificate is computed here again, from the segments
+    /// that came.
+    ///
+    /// # Errors
+    /// [`Error::Rejected`] with every invalid field, or with the first point of each axis that cannot be met.
+    pub async fn plan_pvt(&self, request: PvtRequestSpec) -> Result<JudgedPvt, Error> {
+        let request = self.fits(pb::PlanPvtRequest::from(request))?;
+        let response = self.planner.clone().plan_pvt(request).await;
+        proto::pvt_from_wire(self.answer(response)?).map_err(Error::unreadable)
     }
 
     /// Asks the server's judge about a plan, held against its own limits and goals, or against others.

@@ -2,7 +2,7 @@ use alloc::vec::Vec;
 
 use crate::explain::{Explanation, explain};
 use crate::verify::{Certificate, Violation, certify};
-use crate::{InvalidFields, Plan, Request};
+use crate::{InvalidFields, Plan, PvtPointReport, PvtRequest, Request, plan_pvt};
 
 /// A plan with the judge's certificate, whatever that says.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +54,42 @@ impl Judged {
     pub fn accepted(self) -> Result<Accepted, Rejection> {
         let violations: Vec<Violation> = self.certificate.violations().collect();
         if violations.is_empty() { Ok(Accepted(self)) } else { Err(Rejection { violations }) }
+    }
+}
+
+/// A plan through points with the judge's certificate, and what became of each point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JudgedPvt {
+    judged: Judged,
+    points: Vec<PvtPointReport>,
+}
+
+impl JudgedPvt {
+    /// Plans a request and judges the answer.
+    ///
+    /// # Errors
+    /// Those of [`plan_pvt`].
+    pub fn answer(request: &PvtRequest) -> Result<Self, InvalidFields> {
+        let (plan, points) = plan_pvt(request)?.into_parts();
+        Ok(Self::new(plan, points))
+    }
+
+    /// Judges `plan`.
+    #[must_use]
+    pub fn new(plan: Plan, points: Vec<PvtPointReport>) -> Self {
+        Self { judged: Judged::new(plan), points }
+    }
+
+    /// The plan with its certificate.
+    #[must_use]
+    pub fn judged(&self) -> &Judged {
+        &self.judged
+    }
+
+    /// One report for each axis and point, axis by axis.
+    #[must_use]
+    pub fn points(&self) -> &[PvtPointReport] {
+        &self.points
     }
 }
 

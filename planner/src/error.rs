@@ -45,8 +45,9 @@ impl fmt::Display for Field {
 }
 
 /// What is wrong with a field, with the numbers that a caller needs to put it right.
+///
+/// Exhaustive: whoever gives each of them a name of its own, as a wire does, is to be told of a new one by the compiler.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum Why {
     /// NaN, infinite, or too large to compute with.
     #[error(

@@ -29,17 +29,19 @@ pub struct Binding {
     pub to_time: f64,
 }
 
-/// Says which limits a plan reaches, when, and which axis takes longest.
+/// Says which limits a plan reaches, when, and which axis takes longest. A plan through points takes as long as they say: no limit
+/// holds it back.
 #[must_use]
 pub fn explain(plan: &Plan) -> Explanation {
     let slowest = plan.axes().iter().fold(None, |slowest: Option<&AxisPlan>, axis| match slowest {
         Some(other) if other.profile.duration() >= axis.profile.duration() => slowest,
         _ => Some(axis),
     });
-    Explanation {
-        critical_axis: slowest.map(|axis| axis.axis.clone()).unwrap_or_default(),
-        bindings: plan.axes().iter().flat_map(bindings).collect(),
-    }
+    let bindings = match plan.method().pvt {
+        Some(_) => Vec::new(),
+        None => plan.axes().iter().flat_map(bindings).collect(),
+    };
+    Explanation { critical_axis: slowest.map(|axis| axis.axis.clone()).unwrap_or_default(), bindings }
 }
 
 fn bindings(axis: &AxisPlan) -> Vec<Binding> {

@@ -140,7 +140,7 @@ mod trigonometric;
 mod verify;
 mod verify_transfer;
 
-pub use certified::{Accepted, Judged, Rejection};
+pub use certified::{Accepted, Judged, JudgedPvt, Rejection};
 pub use classify::{AsymmetricType, Classification, EightType, SixCase};
 pub use cycle::{CycleTime, LAST_CYCLE};
 pub use derivatives::Derivatives;

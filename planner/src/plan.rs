@@ -5,8 +5,8 @@ use crate::error::{Field, InvalidFields, Why};
 use crate::request::{AxisKind, AxisMove, Family, Request, Synchronization};
 use crate::solve::{Adjustment, AdjustmentReason, Move, plan_move, plan_stop, plan_trapezoid};
 use crate::{
-    Classification, Cursor, CycleTime, Limits, Profile, PvtInterpolation, PvtMethod, Quantity, Setpoint,
-    ShortPathPolicy, State,
+    Classification, Cursor, CycleTime, Limits, Profile, PvtInterpolation, PvtMethod, PvtRegion, Quantity,
+    Setpoint, ShortPathPolicy, State,
 };
 use crate::{grid, plan_polynomial, plan_trigonometric};
 
@@ -28,6 +28,17 @@ pub struct Method {
 }
 
 impl Method {
+    /// How a plan through points is made: the family and the order are those of the pieces that join them.
+    #[must_use]
+    pub fn through_points(pvt: PvtMethod) -> Self {
+        let (family, order) = match pvt.interpolation {
+            PvtInterpolation::SShaped => (Family::SCurve, 3),
+            PvtInterpolation::Cubic => (Family::Polynomial, 3),
+            PvtInterpolation::Quintic => (Family::Polynomial, 5),
+        };
+        Self { family, order, pvt: Some(pvt), ..Self::default() }
+    }
+
     /// The derivatives that a plan made so keeps within limits: all up to its order, but for points joined by cubics and
     /// quintics, which keep none.
     #[must_use]
@@ -75,6 +86,8 @@ pub struct AxisPlan {
     pub adjustments: Vec<Adjustment>,
     /// The shape's names in the papers.
     pub classification: Classification,
+    /// Of a plan through points, the region of each in turn; empty where polynomials join them, and for a move.
+    pub pvt_regions: Vec<PvtRegion>,
 }
 
 /// The motion of one or more axes over one time base. Whether it is any good is for [`certify`](crate::certify) to say.
@@ -331,6 +344,7 @@ fn plan_axis(axis: &AxisMove, request: &Request) -> Result<AxisPlan, InvalidFiel
         goal: problem.goal(),
         adjustments,
         classification,
+        pvt_regions: Vec::new(),
     })
 }
 

@@ -65,6 +65,7 @@ fn one_axis(case: &Case, planned: &Move) -> Plan {
         goal: case.goal,
         adjustments: planned.adjustments().to_vec(),
         classification: planned.classification(),
+        pvt_regions: Vec::new(),
     };
     let guaranteed = vec![Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk];
     let cycle = CycleTime::from_ns(Some(1_000_000_000)).unwrap();

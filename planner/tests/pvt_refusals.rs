@@ -213,24 +213,19 @@ fn a_range_that_the_way_leaves() {
 }
 
 #[test]
-fn a_finish_that_needs_another_solver() {
+fn a_finish_that_cannot_be() {
     // Past its point, it would have to go back.
-    let spec = PvtAxisSpec {
-        start: State { velocity: 1.0, ..State::default() },
-        ..axis("x", &[0.5], &[0.1], &[1.0])
-    };
+    let limits = LimitsSpec { max_velocity_reverse: Some(0.0), ..limits() };
+    let start = State { velocity: 1.0, ..State::default() };
+    let spec = PvtAxisSpec { start, limits, ..axis("x", &[0.5], &[0.1], &[1.0]) };
     let spec = PvtRequestSpec {
         policy: Ok(PvtPolicy::PreferVelocity),
         finish_unreached: true,
         ..request(vec![spec])
     };
-    check(
-        plan(spec),
-        &[
-            "axes[0].positions[0]: finishing a point that the axis would have to turn back for is not implemented: leave out \
-             finish_unreached, or plan a move from the end to the point",
-        ],
-    );
+    let said = plan(spec).unwrap_err().to_string();
+    assert!(said.starts_with("axes[0].positions[0]: is 0.1, beyond "), "{said}");
+    assert!(said.ends_with("end inside the limit or raise limits.max_velocity_reverse"), "{said}");
     let two = [("x", 0.5), ("y", 0.0)].map(|(name, end)| axis(name, &[0.8], &[0.5], &[end]));
     let spec = PvtRequestSpec {
         policy: Ok(PvtPolicy::PreferVelocity),

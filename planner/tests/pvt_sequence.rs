@@ -142,6 +142,14 @@ fn after_the_last_point_the_axis_goes_on_to_it() {
     assert_eq!((said.quantity, said.reason), (Quantity::Time, AdjustmentReason::PvtFinishedLate));
     assert_eq!((said.asked, said.planned), (0.2, planned.plan().duration()));
 
+    // Past its point at speed, an axis goes back and passes it again.
+    let passed =
+        PvtAxisSpec { start: State { velocity: 0.5, ..State::default() }, ..axis("x", &[(0.05, 0.01, 0.5)]) };
+    let planned = judged(PvtRequestSpec { axes: vec![passed], ..spec.clone() });
+    let [x] = planned.plan().axes() else { panic!("one axis") };
+    assert_eq!(x.profile.end(), State { position: 0.01, velocity: 0.5, acceleration: 0.0 });
+    assert_eq!(x.profile.reversals().count(), 2);
+
     // Of two axes each finishes by itself, and one that was in time stays.
     let two = PvtRequestSpec { axes: vec![axis("x", &points), axis("y", &[(0.2, 0.01, 0.0)])], ..spec };
     let planned = judged(two);

@@ -21,7 +21,8 @@ mod transcript;
 
 pub use convert::{
     Against, accepted, accepted_in, against, plan_as_it_is, plan_as_it_is_in, plan_from_wire, plan_in,
-    plan_to_wire, request_from_wire, request_to_wire, response_from_wire, response_to_wire, within,
+    plan_to_wire, pvt_from_wire, pvt_to_wire, request_from_wire, request_to_wire, response_from_wire,
+    response_to_wire, within,
 };
 pub use digest::{Digest, RaggedColumns};
 pub use fingerprint::fingerprint;
@@ -29,6 +30,11 @@ pub use json::{JsonError, JsonStyle, from_json, to_json, to_json_pretty, to_json
 pub use reason::{Reason, UnknownReason};
 pub use sampling::{Chunk, Sampling};
 pub use status::{DOMAIN, FieldViolation, Rejected, code_name, status_json, unreachable};
+
+/// The largest message that server, axis and client take unless they are told otherwise \[bytes\].
+///
+/// The answer to 10 000 points of six axes has 10 to 45 MB: it is to fit, and so are the requests that take its plan back.
+pub const MAX_MESSAGE_BYTES: usize = 64 << 20;
 
 /// The messages and services of package `motion.v1`, as generated.
 ///

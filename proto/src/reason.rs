@@ -53,11 +53,12 @@ reasons! {
         LimitNotPositive "LIMIT_NOT_POSITIVE"
             "A limit is zero or negative. Limits are magnitudes: send a value above 0, or leave an optional limit out."
         LengthMismatch "LENGTH_MISMATCH"
-            "Lists that belong together have different lengths. Send as many times as positions and velocities, \
-             the same number for every axis, and one value per axis and cycle in columns."
+            "Lists that belong together do not match: in length, or in the times of the points, which all axes share. \
+             Send as many times as positions and velocities, the same times for every axis, and one value per axis \
+             and cycle in columns."
         TimesNotIncreasing "TIMES_NOT_INCREASING"
-            "The times of the points do not grow from one to the next, or begin before the start. Sort the points, \
-             drop repeated times, and begin after 0."
+            "The times of the points do not grow from one to the next by a cycle at least, or begin before the start. \
+             Sort the points, drop repeated times, and begin after 0."
         KindUnspecified "KIND_UNSPECIFIED"
             "An enum that has no default is unset or has a value that this version does not know. Say the kind, \
              for instance whether an axis is prismatic, revolute or counts pulses."

@@ -1,8 +1,8 @@
 //! What a plan says of itself, and is not.
 #![allow(clippy::unwrap_used, clippy::float_cmp, reason = "a test may fail by panicking")]
 
-use planner::{Judged, Request, RequestSpec};
-use proto::{Reason, Rejected, pb, plan_as_it_is, plan_from_wire, plan_to_wire};
+use planner::{Judged, JudgedPvt, PvtRequest, PvtRequestSpec, Request, RequestSpec};
+use proto::{Reason, Rejected, pb, plan_as_it_is, plan_from_wire, plan_to_wire, pvt_from_wire, pvt_to_wire};
 
 fn plan_by(family: pb::ProfileFamily, order: Option<u32>) -> pb::Plan {
     let axis = pb::AxisMove {
@@ -142,6 +142,83 @@ fn every_family_is_told_from_the_others() {
     for order in 2..=8 {
         plan_from_wire(polynomial(order)).unwrap();
     }
+}
+
+/// A plan through two points, that ends at speed.
+fn joined_by(interpolation: pb::PvtInterpolation) -> JudgedPvt {
+    let axis = pb::PvtAxis {
+        axis: "x".into(),
+        kind: pb::AxisKind::Prismatic as i32,
+        limits: Some(pb::AxisLimits {
+            max_velocity: 0.25,
+            max_acceleration: 3.0,
+            max_jerk: 100.0,
+            ..Default::default()
+        }),
+        start: None,
+        times: vec![0.1, 0.2],
+        positions: vec![0.004, 0.02],
+        velocities: vec![0.1, 0.2],
+    };
+    let wire =
+        pb::PlanPvtRequest { axes: vec![axis], interpolation: interpolation as i32, ..Default::default() };
+    JudgedPvt::answer(&PvtRequest::try_from(PvtRequestSpec::from(wire)).unwrap()).unwrap()
+}
+
+#[test]
+fn plans_through_points_are_told_from_each_other_and_from_moves() {
+    use pb::PvtInterpolation::{Cubic, Quintic, SShaped, Unspecified};
+    let rows: [(pb::PvtInterpolation, pb::PvtInterpolation, &str); 6] = [
+        (SShaped, Quintic, "method.interpolation: says QUINTIC, and should say S_SHAPED or CUBIC"),
+        (SShaped, Cubic, "method.family: says S_CURVE, and should say POLYNOMIAL"),
+        (Cubic, SShaped, "method.family: says POLYNOMIAL, and should say S_CURVE"),
+        (Quintic, SShaped, "method.interpolation: says S_SHAPED, and should say QUINTIC"),
+        (Quintic, Cubic, "method.interpolation: says CUBIC, and should say QUINTIC"),
+        (Cubic, Unspecified, "method.interpolation: is not set: choose one of S_SHAPED, CUBIC, QUINTIC"),
+    ];
+    for (made, said, expected) in rows {
+        let mut plan = plan_to_wire(joined_by(made).judged());
+        method(&mut plan).interpolation = said as i32;
+        let (_, fields) = refused(plan);
+        assert!(fields[0].starts_with(expected), "{made:?} as {said:?}: {fields:?}");
+    }
+    // What keeps no limit promises none; a cubic that says it does is for the judge.
+    let mut cubic = plan_to_wire(joined_by(Cubic).judged());
+    assert_eq!(cubic.guaranteed, [0; 0]);
+    cubic.guaranteed = vec![pb::Quantity::Velocity as i32, pb::Quantity::Acceleration as i32];
+    let plan = plan_from_wire(pb::Plan { fingerprint: vec![], ..cubic }).unwrap();
+    assert!(!Judged::new(plan).certificate().passed());
+    let mut ramps = plan_to_wire(joined_by(SShaped).judged());
+    ramps.guaranteed.pop();
+    assert!(refused(ramps).1[0].starts_with("guaranteed: says VELOCITY, ACCELERATION, and should say"));
+    let mut orderly = plan_to_wire(joined_by(Quintic).judged());
+    method(&mut orderly).order = 3;
+    assert!(refused(orderly).1[0].starts_with("method.order: says 3, and should say 5"));
+}
+
+#[test]
+fn a_plan_through_points_comes_back_also_when_it_is_stopped() {
+    for interpolation in [1, 2, 3].map(|number| pb::PvtInterpolation::try_from(number).unwrap()) {
+        let judged = joined_by(interpolation);
+        assert_eq!(pvt_from_wire(pvt_to_wire(&judged)).unwrap(), judged);
+        let (stopped, _) = judged.judged().plan().with_closing_stop().unwrap().unwrap();
+        assert_eq!(plan_from_wire(plan_to_wire(&Judged::new(stopped.clone()))).unwrap(), stopped);
+    }
+}
+
+#[test]
+fn a_report_on_no_point_is_refused() {
+    let mut wire = pvt_to_wire(&joined_by(pb::PvtInterpolation::SShaped));
+    wire.points[1].axis = "y".into();
+    wire.points[0].region = "R5".into();
+    let said: Vec<_> = pvt_from_wire(wire).unwrap_err().as_slice().iter().map(ToString::to_string).collect();
+    assert_eq!(
+        said,
+        [
+            "points[0].region: is \"R5\", which this version does not know: use one of R1, R2, R3, R4",
+            "points[1].axis: no axis is called \"y\": the plan has x",
+        ]
+    );
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn defaults_are_written_where_the_absence_would_mean_the_same() {
     assert_eq!(to_json(&pb::AxisSegment::default()).unwrap(), r#"{"duration":0.0}"#);
     assert_eq!(
         to_json(&pb::Classification::default()).unwrap(),
-        r#"{"feedRate":0.0}"#,
+        r#"{"pvtRegions":[],"feedRate":0.0}"#,
         "optional fields stay out"
     );
     let standard = JsonStyle { emit_defaults: false, ..JsonStyle::COMPACT };

@@ -9,6 +9,8 @@ pub struct Config {
     pub served_by: Option<String>,
     /// The most streams at a time.
     pub max_streams: usize,
+    /// The most points of a `PlanPvt` request, of all its axes together.
+    pub max_pvt_points: usize,
     /// The farthest cycle that `SamplePlan` gives: its digest is rolled from cycle 1.
     pub max_sample_cycles: u64,
 }
@@ -19,6 +21,8 @@ impl Default for Config {
             serving: Settings::on_port(50051),
             served_by: None,
             max_streams: 10_000,
+            // 10 000 of six axes: their plan fits a message.
+            max_pvt_points: 60_000,
             // Ten hours at 1 ms.
             max_sample_cycles: 36_000_000,
         }

@@ -55,12 +55,12 @@ impl Server {
     /// Failures of the transport.
     pub async fn run(self, stop: impl Future<Output = ()> + Send + 'static) -> Result<(), ServeError> {
         let Self { config, bound } = self;
-        let served_by = config.served_by.unwrap_or_else(|| bound.address().to_string());
+        let served_by = config.served_by.clone().unwrap_or_else(|| bound.address().to_string());
         let leaving = Leaving::default();
         let streams = Streams::new(config.max_streams);
         // The frame refuses larger ones, with a reason; below it nothing else is to.
         let size = config.serving.max_message_bytes;
-        let planner = PlannerServiceServer::new(Planner::new(config.max_sample_cycles));
+        let planner = PlannerServiceServer::new(Planner::new(&config));
         let setpoints = SetpointServiceServer::new(Setpoints::new(streams, served_by, leaving.clone()));
         let services = Services::of_schema(proto::FILE_DESCRIPTOR_SET)
             .with(planner.max_decoding_message_size(size))

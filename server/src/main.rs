@@ -38,8 +38,11 @@ struct Args {
     /// The most streams at a time.
     #[arg(long, env = "PORTAMENTO_MAX_STREAMS", default_value_t = 10_000, value_name = "COUNT")]
     max_streams: usize,
+    /// The most points of a PlanPvt request, of all its axes together.
+    #[arg(long, env = "PORTAMENTO_MAX_PVT_POINTS", default_value_t = 60_000, value_name = "COUNT")]
+    max_pvt_points: usize,
     /// The largest message that is read or sent [bytes].
-    #[arg(long, env = "PORTAMENTO_MAX_MESSAGE_BYTES", default_value_t = 16 << 20, value_name = "COUNT")]
+    #[arg(long, env = "PORTAMENTO_MAX_MESSAGE_BYTES", default_value_t = proto::MAX_MESSAGE_BYTES, value_name = "COUNT")]
     max_message_bytes: usize,
     #[command(subcommand)]
     command: Option<Command>,
@@ -63,10 +66,19 @@ fn main() -> ExitCode {
 
 /// The settings, or everything that is wrong with them.
 fn config(args: Args) -> Result<Config, Exit> {
-    let Args { listen, served_by, insecure, drain_deadline, max_streams, max_message_bytes, command: _ } =
-        args;
+    let Args {
+        listen,
+        served_by,
+        insecure,
+        drain_deadline,
+        max_streams,
+        max_pvt_points,
+        max_message_bytes,
+        command: _,
+    } = args;
     let settings = Settings { listen, insecure, max_message_bytes, ..Settings::on_port(0) };
-    let mut config = Config { serving: settings, served_by, max_streams, ..Config::default() };
+    let mut config =
+        Config { serving: settings, served_by, max_streams, max_pvt_points, ..Config::default() };
     let mut misfits = config.misfits();
     match seconds(drain_deadline) {
         Ok(deadline) => config.serving.drain_deadline = deadline,

@@ -27,7 +27,7 @@ impl Settings {
             listen: SocketAddr::from((Ipv4Addr::LOCALHOST, port)),
             insecure: false,
             drain_deadline: Duration::from_secs(10),
-            max_message_bytes: 16 << 20,
+            max_message_bytes: proto::MAX_MESSAGE_BYTES,
             // Larger than any lead, so that credit does the pacing and never a window.
             stream_window_bytes: 4 << 20,
             connection_window_bytes: 16 << 20,
@@ -49,7 +49,7 @@ impl Settings {
             );
         }
         if self.max_message_bytes == 0 {
-            misfits.note("max-message-bytes", "is 0, so that no message could be read: 16777216 is usual");
+            misfits.note("max-message-bytes", "is 0, so that no message could be read: 67108864 is usual");
         }
         let largest = MOST_WINDOW_BYTES;
         for (setting, given) in [
@@ -133,7 +133,7 @@ mod tests {
             wrong.misfits().to_string(),
             "listen is 0.0.0.0:50051, which other machines reach, and there is no encryption: listen on 127.0.0.1, or \
              pass --insecure on a network of your own\n\
-             max-message-bytes is 0, so that no message could be read: 16777216 is usual\n\
+             max-message-bytes is 0, so that no message could be read: 67108864 is usual\n\
              connection-window-bytes is 0: give 1 to 2147483647"
         );
         let allowed = Settings { listen, insecure: true, ..Settings::on_port(0) };

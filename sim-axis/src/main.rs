@@ -46,7 +46,7 @@ struct Args {
     #[arg(long, env = "PORTAMENTO_SIM_AXIS_MAX_RUNS", default_value_t = 64, value_name = "COUNT")]
     max_runs: usize,
     /// The largest message that is read or sent [bytes].
-    #[arg(long, env = "PORTAMENTO_MAX_MESSAGE_BYTES", default_value_t = 16 << 20, value_name = "COUNT")]
+    #[arg(long, env = "PORTAMENTO_MAX_MESSAGE_BYTES", default_value_t = proto::MAX_MESSAGE_BYTES, value_name = "COUNT")]
     max_message_bytes: usize,
     #[command(subcommand)]
     command: Option<Command>,

@@ -12,5 +12,6 @@ mod bad_streams;
 mod families;
 mod large_messages;
 mod plan_then_stream;
+mod pvt;
 mod standing_services;
 mod tracking;

@@ -17,7 +17,7 @@ pub use request::{PvtAxis, PvtAxisSpec, PvtRequest, PvtRequestSpec};
 pub use sequence::{PvtPlan, PvtPointReport, plan_pvt};
 
 /// How a plan through points was made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PvtMethod {
     /// How points are joined.
     pub interpolation: PvtInterpolation,
@@ -101,5 +101,11 @@ impl PvtRegion {
             Self::R3 => "R3",
             Self::R4 => "R4",
         }
+    }
+
+    /// The region called `name`.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::R1, Self::R2, Self::R3, Self::R4].into_iter().find(|region| region.name() == name)
     }
 }

@@ -12,8 +12,8 @@ use crate::classify::Classification;
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::{largest, least};
 use crate::{
-    Adjustment, AdjustmentReason, AxisPlan, Family, Method, Move, Plan, Problem, Profile, PvtMethod,
-    Quantity, Segment, ShortPathPolicy, State, Synchronization, plan_move,
+    Adjustment, AdjustmentReason, AxisPlan, Method, Plan, Profile, PvtMethod, Quantity, Segment, State,
+    Transit, plan_between,
 };
 
 /// The pieces of a command with two ramps, neither of which reaches the acceleration limit: what most have.
@@ -77,8 +77,8 @@ impl PvtPlan {
 ///
 /// # Errors
 /// Of each axis the first point that cannot be met and that the policy does not adjust: [`Why::PvtTimeTooShort`],
-/// [`Why::PvtOutOfReach`], [`Why::PositionLimit`]. Where the last point is to be finished, what [`plan_move`] does not
-/// do yet.
+/// [`Why::PvtOutOfReach`], [`Why::PositionLimit`]. Where the last point is to be finished, those of [`plan_between`]; and of several
+/// axes it cannot be finished at speed yet.
 pub fn plan_pvt(request: &PvtRequest) -> Result<PvtPlan, InvalidFields> {
     let mut invalid = InvalidFields::default();
     let mut drives: Vec<Drive<'_>> = request.axes().iter().map(|axis| Drive::new(axis, request)).collect();
@@ -116,20 +116,9 @@ pub fn plan_pvt(request: &PvtRequest) -> Result<PvtPlan, InvalidFields> {
 
 /// Puts the axes onto one time base.
 fn joined(request: &PvtRequest, drives: Vec<Drive<'_>>) -> Result<PvtPlan, InvalidFields> {
-    let interpolation = request.interpolation();
-    let (family, order, guaranteed) = match interpolation {
-        PvtInterpolation::SShaped => (Family::SCurve, 3, Quantity::BY_ORDER[1..=3].to_vec()),
-        PvtInterpolation::Cubic => (Family::Polynomial, 3, Vec::new()),
-        PvtInterpolation::Quintic => (Family::Polynomial, 5, Vec::new()),
-    };
-    let method = Method {
-        family,
-        order,
-        short_path: ShortPathPolicy::default(),
-        synchronization: Synchronization::Time,
-        end_on_cycle: false,
-        pvt: Some(PvtMethod { interpolation, policy: request.policy() }),
-    };
+    let pvt = PvtMethod { interpolation: request.interpolation(), policy: request.policy() };
+    let method = Method::through_points(pvt);
+    let guaranteed = method.promises().to_vec();
     let mut points = Vec::with_capacity(drives.len() * request.times().len());
     let mut axes = Vec::with_capacity(drives.len());
     for drive in drives {
@@ -309,6 +298,21 @@ impl<'a> Drive<'a> {
         self.clock = sum(pieces);
     }
 
+    /// Goes where the last command should have led.
+    fn finish(&mut self, motion: &Transit) {
+        let segments = motion.segments();
+        let speed = |segment: &Segment, t: &f64| segment.at(*t).state.velocity.abs();
+        for segment in &segments {
+            let times = segment.turning_points();
+            self.fastest = times.iter().map(|t| speed(segment, t)).fold(self.fastest, largest);
+        }
+        self.state = motion.end();
+        // What was missed by a rounding takes no time.
+        self.finished = !segments.is_empty();
+        let end = self.clock + motion.duration();
+        self.lay(segments, end);
+    }
+
     /// Did the last command not get where it should?
     fn misses(&self) -> bool {
         let missed =
@@ -340,6 +344,7 @@ impl<'a> Drive<'a> {
             goal,
             adjustments,
             classification: Classification::of_speed(fastest),
+            pvt_regions: reports.iter().filter_map(|report| report.region).collect(),
         };
         (plan, reports)
     }
@@ -361,25 +366,16 @@ fn finish_unreached(invalid: &mut InvalidFields, drives: &mut [Drive<'_>]) {
             let field = field(Quantity::Velocity, last).within(&outer);
             invalid.note(field.as_str(), Some(Why::NotImplemented { what, instead }));
         } else if drive.misses() {
-            let Some(motion) = finish(drive.state, drive.goal(), drive.spec) else {
-                let what = "finishing a point that the axis would have to turn back for";
-                let instead = "leave out finish_unreached, or plan a move from the end to the point";
-                let field = field(Quantity::Position, drive.spec.points.len() - 1).within(&outer);
-                invalid.note(field.as_str(), Some(Why::NotImplemented { what, instead }));
-                continue;
-            };
-            drive.state = motion.reached();
-            drive.fastest = largest(drive.fastest, motion.classification().feed_rate);
-            let end = drive.clock + motion.duration();
-            drive.lay(motion.segments(), end);
-            drive.finished = true;
+            // The one place that asks another solver.
+            match plan_between(drive.state, drive.goal(), &drive.spec.limits) {
+                Ok(motion) => drive.finish(&motion),
+                Err(refused) => {
+                    let field = field(Quantity::Position, drive.spec.points.len() - 1).within(&outer);
+                    for refused in refused.as_slice() {
+                        invalid.note(field.as_str(), Some(refused.why.clone()));
+                    }
+                }
+            }
         }
     }
-}
-
-/// The move from where the last command has ended to where it should have: the one place that asks another solver. `None` where
-/// that does not turn back yet.
-fn finish(from: State, goal: State, spec: &PvtAxis) -> Option<Move> {
-    let problem = Problem::new(from, goal, spec.limits.clone(), ShortPathPolicy::Reverse).ok()?;
-    plan_move(&problem).ok()
 }

@@ -1,6 +1,8 @@
 //! Enums: a domain enum has only legal values, a wire enum is any 32-bit number.
 
-use planner::{AxisKind, Family, Quantity, ShortPathPolicy, Synchronization, Why};
+use planner::{
+    AxisKind, Family, PvtInterpolation, PvtPolicy, Quantity, ShortPathPolicy, Synchronization, Why,
+};
 
 use crate::pb;
 use crate::stream::{Phase, StreamEventKind};
@@ -26,6 +28,15 @@ macro_rules! choice {
     };
 }
 
+/// The number of a choice; of one that could not be read, the number that was given, so that whoever answers says so.
+pub(super) fn choice_to_wire<T>(choice: Result<T, Why>, to_wire: impl FnOnce(T) -> i32) -> i32 {
+    match choice {
+        Ok(choice) => to_wire(choice),
+        Err(Why::UnknownChoice { given, .. }) => given,
+        Err(_) => 0,
+    }
+}
+
 choice!(kind_from_wire, kind_to_wire, AxisKind, pb::AxisKind, unset: None,
     "PRISMATIC, REVOLUTE, PULSES", { Prismatic = Prismatic, Revolute = Revolute, Pulses = Pulses });
 
@@ -41,6 +52,14 @@ choice!(short_path_from_wire, short_path_to_wire, ShortPathPolicy, pb::ShortPath
 
 choice!(synchronization_from_wire, synchronization_to_wire, Synchronization, pb::Synchronization,
     unset: Some(Synchronization::Time), "NONE, TIME, PHASE", { None = None, Time = Time, Phase = Phase });
+
+choice!(interpolation_from_wire, interpolation_to_wire, PvtInterpolation, pb::PvtInterpolation,
+    unset: Some(PvtInterpolation::SShaped), "S_SHAPED, CUBIC, QUINTIC",
+    { SShaped = SShaped, Cubic = Cubic, Quintic = Quintic });
+
+choice!(policy_from_wire, policy_to_wire, PvtPolicy, pb::PvtPolicy, unset: Some(PvtPolicy::PreferVelocity),
+    "PREFER_VELOCITY, PREFER_POSITION, EXTEND_TIME, REJECT",
+    { PreferVelocity = PreferVelocity, PreferPosition = PreferPosition, ExtendTime = ExtendTime, Reject = Reject });
 
 choice!(quantity_from_wire, quantity_to_wire, Quantity, pb::Quantity, unset: None,
     "POSITION, VELOCITY, ACCELERATION, JERK, SNAP, CRACKLE, POP, LOCK, DROP, TIME",

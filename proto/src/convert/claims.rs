@@ -2,7 +2,7 @@
 
 use planner::{
     AdjustmentReason, Family, Field, InvalidField, InvalidFields, LIMIT_TOLERANCE, Law, Maker, Method, Plan,
-    Quantity, Segment, Shortest, Why,
+    PvtInterpolation, PvtMethod, Quantity, Segment, Shortest, Why,
 };
 
 use crate::{fingerprint, pb};
@@ -54,6 +54,12 @@ impl Claims {
                 axis.profile.segments().iter().map(move |piece| (piece, stopped))
             })
         };
+        if let Some(pvt) = method.pvt {
+            self.against_points(invalid, method, pvt, &|interpolation| {
+                pieces().all(|(piece, stopped)| joins(interpolation, piece, stopped))
+            });
+            return;
+        }
         let made_by = |family| pieces().all(|(piece, stopped)| makes(family, piece, stopped));
         if !made_by(method.family) {
             let families = [Family::SCurve, Family::Trapezoidal, Family::Polynomial, Family::Trigonometric];
@@ -68,7 +74,36 @@ impl Claims {
         if method.order != 0 {
             note(invalid, "method.order", method.order, order);
         }
-        let promises = Method { order, ..method }.promises();
+        self.against_promises(invalid, Method { order, ..method });
+    }
+
+    /// The same of a plan through points; `joined_by` tells whether its pieces are those of an interpolation.
+    fn against_points(
+        &self,
+        invalid: &mut InvalidFields,
+        method: Method,
+        pvt: PvtMethod,
+        joined_by: &dyn Fn(PvtInterpolation) -> bool,
+    ) {
+        if !joined_by(pvt.interpolation) {
+            use PvtInterpolation::{Cubic, Quintic, SShaped};
+            let able = [SShaped, Cubic, Quintic].into_iter().filter(|&other| joined_by(other));
+            let able: Vec<_> = able.map(PvtInterpolation::name).collect();
+            let able =
+                if able.is_empty() { "nothing that joins points".to_owned() } else { able.join(" or ") };
+            note(invalid, "method.interpolation", pvt.interpolation.name(), able);
+            return;
+        }
+        let made = Method::through_points(pvt);
+        note(invalid, "method.family", method.family.name(), made.family.name());
+        if method.order != 0 {
+            note(invalid, "method.order", method.order, made.order);
+        }
+        self.against_promises(invalid, made);
+    }
+
+    fn against_promises(&self, invalid: &mut InvalidFields, made: Method) {
+        let promises = made.promises();
         if !promises.iter().all(|promised| self.guaranteed.contains(promised)) {
             note(invalid, "guaranteed", listed(&self.guaranteed), listed(promises));
         }
@@ -93,6 +128,17 @@ fn makes(family: Family, piece: &Segment, stopped: bool) -> bool {
         (Family::Polynomial, Law::Polynomial(_)) | (Family::Trigonometric, Law::CosineJerk { .. }) => true,
         (Family::SCurve | Family::Trapezoidal | Family::Trigonometric, Law::Polynomial(_))
         | (Family::SCurve | Family::Trapezoidal | Family::Polynomial, Law::CosineJerk { .. }) => false,
+    }
+}
+
+/// Does `interpolation` join points by such a piece? A stop after it is jerk-limited, whatever it comes after.
+fn joins(interpolation: PvtInterpolation, piece: &Segment, stopped: bool) -> bool {
+    match (interpolation, piece.law) {
+        (PvtInterpolation::SShaped | PvtInterpolation::Cubic, Law::ConstantJerk(_)) => true,
+        (PvtInterpolation::Quintic, Law::ConstantJerk(_)) => stopped,
+        (PvtInterpolation::Quintic, Law::Polynomial(derivatives)) => derivatives.order() == 5,
+        (PvtInterpolation::SShaped | PvtInterpolation::Cubic, Law::Polynomial(_))
+        | (_, Law::CosineJerk { .. }) => false,
     }
 }
 

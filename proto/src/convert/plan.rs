@@ -1,19 +1,23 @@
 use planner::{
     Adjustment, AdjustmentReason, AsymmetricType, AxisPlan, Classification, CycleTime, Derivatives,
     EightType, Field, InvalidField, InvalidFields, Judged, Law, Limits, LimitsSpec, Maker, Method, Plan,
-    Profile, Segment, SixCase, State, Why,
+    Profile, PvtMethod, PvtRegion, Segment, SixCase, State, Why,
 };
 
 use super::choice::{
-    family_from_wire, family_to_wire, kind_from_wire, kind_to_wire, quantity_from_wire, quantity_to_wire,
+    family_from_wire, family_to_wire, interpolation_from_wire, interpolation_to_wire, kind_from_wire,
+    kind_to_wire, policy_from_wire, policy_to_wire, quantity_from_wire, quantity_to_wire,
     short_path_from_wire, short_path_to_wire, synchronization_from_wire, synchronization_to_wire,
 };
 use super::claims::Claims;
 use super::{cycle_time_to_wire, duration_to_ns};
 use crate::{fingerprint, pb};
 
-/// The most segments of one axis.
-const MAX_SEGMENTS: usize = 100_000;
+/// The most segments of one axis: more than those of 10 000 points for each of six axes would be of one.
+const MAX_SEGMENTS: usize = 500_000;
+
+/// What a region may be called.
+pub(super) const REGIONS: &str = "R1, R2, R3, R4";
 
 /// The plan on the wire, with certificate, explanation and fingerprint.
 #[must_use]
@@ -27,8 +31,7 @@ pub fn plan_to_wire(judged: &Judged) -> pb::Plan {
 
 fn to_wire(plan: &Plan) -> pb::Plan {
     let Maker { planner_version, evaluation_version } = plan.maker().clone();
-    // No plan through points comes here: `PlanPvt` is not implemented.
-    let Method { family, order, short_path, synchronization, end_on_cycle, pvt: _ } = plan.method();
+    let Method { family, order, short_path, synchronization, end_on_cycle, pvt } = plan.method();
     pb::Plan {
         fingerprint: Vec::new(),
         planner_version,
@@ -39,8 +42,8 @@ fn to_wire(plan: &Plan) -> pb::Plan {
             short_path_policy: short_path_to_wire(short_path),
             synchronization: synchronization_to_wire(synchronization),
             end_on_cycle,
-            interpolation: pb::PvtInterpolation::Unspecified as i32,
-            policy: pb::PvtPolicy::Unspecified as i32,
+            interpolation: pvt.map_or(0, |pvt| interpolation_to_wire(pvt.interpolation)),
+            policy: pvt.map_or(0, |pvt| policy_to_wire(pvt.policy)),
         }),
         guaranteed: plan.guaranteed().iter().copied().map(quantity_to_wire).collect(),
         cycle_time: Some(cycle_time_to_wire(plan.cycle_time())),
@@ -138,15 +141,29 @@ fn method_from_wire(wire: pb::PlanMethod) -> Result<Method, InvalidFields> {
     );
     let mode = synchronization_from_wire(synchronization);
     keep("synchronization", mode.map(|mode| method.synchronization = mode));
-    if interpolation != 0 || policy != 0 {
-        let what = "a plan through positions, velocities and times";
-        invalid.note("interpolation", Some(Why::NotImplemented { what, instead: "plan a move" }));
+    keep(
+        "policy",
+        policy_from_wire(policy).map(|policy| {
+            // The one without the other would be a policy for points that are not joined.
+            method.pvt = (interpolation != 0).then_some(PvtMethod { policy, ..PvtMethod::default() });
+        }),
+    );
+    keep(
+        "interpolation",
+        interpolation_from_wire(interpolation).map(|interpolation| {
+            if let Some(pvt) = &mut method.pvt {
+                pvt.interpolation = interpolation;
+            }
+        }),
+    );
+    if interpolation == 0 && policy != 0 {
+        invalid.note("interpolation", Some(Why::Unspecified { choices: "S_SHAPED, CUBIC, QUINTIC" }));
     }
     invalid.into_result(method)
 }
 
 fn axis_to_wire(axis: &AxisPlan) -> pb::AxisPlan {
-    let AxisPlan { axis, kind, limits, profile, goal, adjustments, classification } = axis;
+    let AxisPlan { axis, kind, limits, profile, goal, adjustments, classification, pvt_regions } = axis;
     pb::AxisPlan {
         axis: axis.clone(),
         kind: kind_to_wire(*kind),
@@ -155,7 +172,7 @@ fn axis_to_wire(axis: &AxisPlan) -> pb::AxisPlan {
         goal: Some((*goal).into()),
         reached: Some(profile.end().into()),
         adjustments: adjustments.iter().map(adjustment_to_wire).collect(),
-        classification: Some(classification_to_wire(classification)),
+        classification: Some(classification_to_wire(classification, pvt_regions)),
     }
 }
 
@@ -183,15 +200,18 @@ fn axis_from_wire(wire: pb::AxisPlan) -> Result<AxisPlan, InvalidFields> {
     let classification = classification_from_wire(classification.unwrap_or_default());
     let classification = invalid.take(&Field::named("classification"), classification);
     match (kind, limits, classification) {
-        (Some(kind), Some(limits), Some(classification)) if invalid.is_empty() => Ok(AxisPlan {
-            axis,
-            kind,
-            limits,
-            profile: Profile::new(pieces, reached),
-            goal,
-            adjustments: domain_adjustments,
-            classification,
-        }),
+        (Some(kind), Some(limits), Some((classification, pvt_regions))) if invalid.is_empty() => {
+            Ok(AxisPlan {
+                axis,
+                kind,
+                limits,
+                profile: Profile::new(pieces, reached),
+                goal,
+                adjustments: domain_adjustments,
+                classification,
+                pvt_regions,
+            })
+        }
         _ => Err(invalid),
     }
 }
@@ -276,12 +296,12 @@ fn law_from_wire(wire: pb::axis_segment::Law) -> Result<Law, InvalidFields> {
     }
 }
 
-fn adjustment_to_wire(adjustment: &Adjustment) -> pb::Adjustment {
+pub(super) fn adjustment_to_wire(adjustment: &Adjustment) -> pb::Adjustment {
     let Adjustment { quantity, asked, planned, reason } = *adjustment;
     pb::Adjustment { quantity: quantity_to_wire(quantity), asked, planned, reason: reason.name().into() }
 }
 
-fn adjustment_from_wire(wire: pb::Adjustment) -> Result<Adjustment, InvalidFields> {
+pub(super) fn adjustment_from_wire(wire: pb::Adjustment) -> Result<Adjustment, InvalidFields> {
     let pb::Adjustment { quantity, asked, planned, reason: given } = wire;
     let mut invalid = InvalidFields::default();
     for (name, given) in [("asked", asked), ("planned", planned)] {
@@ -290,7 +310,8 @@ fn adjustment_from_wire(wire: pb::Adjustment) -> Result<Adjustment, InvalidField
     let quantity = quantity_from_wire(quantity).map_err(|why| invalid.note("quantity", Some(why))).ok();
     let reason = AdjustmentReason::ALL.into_iter().find(|reason| reason.name() == given);
     let choices = "PATH_TOO_SHORT_START_VELOCITY, PATH_TOO_SHORT_NEAREST_VELOCITY, FEED_RATE_ABOVE_LIMIT, \
-                   CLOSING_STOP";
+                   CLOSING_STOP, PVT_TIME_TOO_SHORT, PVT_OUT_OF_REACH, PVT_TIME_EXTENDED, PVT_TIME_SHIFTED, \
+                   PVT_FINISHED_LATE";
     if reason.is_none() {
         invalid.note("reason", Some(Why::UnknownName { given, choices }));
     }
@@ -302,20 +323,21 @@ fn adjustment_from_wire(wire: pb::Adjustment) -> Result<Adjustment, InvalidField
     }
 }
 
-fn classification_to_wire(classification: &Classification) -> pb::Classification {
+fn classification_to_wire(classification: &Classification, regions: &[PvtRegion]) -> pb::Classification {
     let Classification { eight_type, asymmetric_type, six_case, feed_rate } = *classification;
     pb::Classification {
         eight_type: eight_type.map(|kind| kind.name().into()),
         asymmetric_type: asymmetric_type.map(|kind| kind.name().into()),
         six_case: six_case.map(|case| case.name().into()),
-        pvt_region: None,
+        pvt_regions: regions.iter().map(|region| region.name().into()).collect(),
         feed_rate,
     }
 }
 
-fn classification_from_wire(wire: pb::Classification) -> Result<Classification, InvalidFields> {
-    // The names of families that this planner does not have yet say nothing about the motion.
-    let pb::Classification { eight_type, asymmetric_type, six_case, pvt_region: _, feed_rate } = wire;
+fn classification_from_wire(
+    wire: pb::Classification,
+) -> Result<(Classification, Vec<PvtRegion>), InvalidFields> {
+    let pb::Classification { eight_type, asymmetric_type, six_case, pvt_regions, feed_rate } = wire;
     let mut invalid = InvalidFields::default();
     let choices = "1, 2, 3, 4, 5, 6, 7, 8A, 8B, 8C";
     let eight_type = named(&mut invalid, "eight_type", eight_type, EightType::named, choices);
@@ -324,7 +346,17 @@ fn classification_from_wire(wire: pb::Classification) -> Result<Classification, 
         named(&mut invalid, "asymmetric_type", asymmetric_type, AsymmetricType::named, choices);
     let choices = "A, B, C.1, C.2, D.1, D.2";
     let six_case = named(&mut invalid, "six_case", six_case, SixCase::named, choices);
-    invalid.into_result(Classification { eight_type, asymmetric_type, six_case, feed_rate })
+    let mut regions = Vec::with_capacity(pvt_regions.len());
+    for (index, given) in pvt_regions.into_iter().enumerate() {
+        match PvtRegion::named(&given) {
+            Some(region) => regions.push(region),
+            None => {
+                let why = Why::UnknownName { given, choices: REGIONS };
+                invalid.note(Field::element("pvt_regions", index).as_str(), Some(why));
+            }
+        }
+    }
+    invalid.into_result((Classification { eight_type, asymmetric_type, six_case, feed_rate }, regions))
 }
 
 /// What a name stands for, if there is one; a name that is not known is reported.

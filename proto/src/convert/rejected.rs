@@ -118,7 +118,7 @@ fn reason(why: &Why) -> Reason {
     match why {
         Why::NotFinite { .. } => Reason::NotFinite,
         Why::DurationNotPositive { .. } => Reason::TimesNotIncreasing,
-        Why::NotPositive { .. } => Reason::LimitNotPositive,
+        Why::NotPositive { .. } | Why::NotNegative { .. } => Reason::LimitNotPositive,
         Why::EmptyRange { .. } => Reason::ValueOutOfRange,
         Why::Missing { .. } | Why::LimitMissing { .. } => Reason::FieldMissing,
         Why::Unspecified { .. } | Why::UnknownChoice { .. } | Why::UnknownName { .. } => {
@@ -143,33 +143,63 @@ fn reason(why: &Why) -> Reason {
         Why::GoalOutsideLimits { .. } => Reason::GoalOutsideLimits,
         Why::PositionLimit { .. } => Reason::PositionLimit,
         Why::PathTooShort { .. } => Reason::PathTooShort,
-        // The enum grows with the planner: what this version cannot name is what it cannot do.
-        _ => Reason::NotImplemented,
+        Why::NoPoints => Reason::NoPoints,
+        Why::LengthMismatch { .. } | Why::TimesDiffer { .. } => Reason::LengthMismatch,
+        Why::TimesNotIncreasing { .. } | Why::IntervalTooShort { .. } => Reason::TimesNotIncreasing,
+        Why::PvtTimeTooShort { .. } | Why::PvtOutOfReach { .. } => Reason::PvtUnreachable,
+        Why::NotImplemented { .. } => Reason::NotImplemented,
     }
 }
 
 /// What was needed, what was given, and the nearest that would do, for programs.
 fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
-    let number = |number: f64| Some(Shortest(number).to_string());
-    let (needed, given, nearest) = match why {
+    let text = |number: &f64| Shortest(*number).to_string();
+    let figures = match why {
         Why::PathTooShort { needed, given, nearest_velocity } => {
-            (number(*needed), number(*given), number(*nearest_velocity))
+            vec![("needed", text(needed)), ("given", text(given)), ("nearest", text(nearest_velocity))]
         }
         Why::StartOutsideLimits { given, allowed, .. }
         | Why::GoalOutsideLimits { given, allowed, .. }
         | Why::PositionLimit { reached: given, allowed, .. } => {
-            (number(*allowed), number(*given), number(*allowed))
+            vec![("needed", text(allowed)), ("given", text(given)), ("nearest", text(allowed))]
+        }
+        // Times, and the velocity that there is time for.
+        Why::PvtTimeTooShort { given, needed, nearest_velocity } => vec![
+            ("quantity", "VELOCITY".to_owned()),
+            ("needed", text(needed)),
+            ("given", text(given)),
+            ("nearest", text(nearest_velocity)),
+        ],
+        // Positions, and the time in which the one that was given can be met.
+        Why::PvtOutOfReach { given, least, greatest, duration, needed } => {
+            let nearest = text(&given.max(*least).min(*greatest));
+            let mut figures = vec![
+                ("quantity", "POSITION".to_owned()),
+                ("needed", nearest.clone()),
+                ("given", text(given)),
+                ("nearest", nearest),
+                ("least", text(least)),
+                ("greatest", text(greatest)),
+                ("given_time", text(duration)),
+            ];
+            figures.extend(needed.as_ref().map(|needed| ("needed_time", text(needed))));
+            figures
+        }
+        Why::IntervalTooShort { given, cycle } => vec![("needed", text(cycle)), ("given", text(given))],
+        Why::TimesNotIncreasing { given, before } => vec![("given", text(given)), ("before", text(before))],
+        Why::TimesDiffer { given, expected } => vec![("needed", text(expected)), ("given", text(given))],
+        Why::LengthMismatch { given, expected, .. } => {
+            vec![("needed", expected.to_string()), ("given", given.to_string())]
         }
         Why::Misstated { given, correct } | Why::FingerprintMismatch { given, correct } => {
-            (Some(correct.clone()), Some(given.clone()), None)
+            vec![("needed", correct.clone()), ("given", given.clone())]
         }
         Why::NotFinite { given }
         | Why::NotPositive { given }
         | Why::DurationNotPositive { given }
-        | Why::NotAtRest { given, .. } => (None, number(*given), None),
-        _ => return rejected,
+        | Why::NotAtRest { given, .. } => vec![("given", text(given))],
+        // The sentence has all that there is to say.
+        _ => Vec::new(),
     };
-    let figures = [("needed", needed), ("given", given), ("nearest", nearest)];
-    let known = figures.into_iter().filter_map(|(key, value)| Some((key, value?)));
-    known.fold(rejected, |rejected, (key, value)| rejected.with(key, value))
+    figures.into_iter().fold(rejected, |rejected, (key, value)| rejected.with(key, value))
 }

@@ -1,8 +1,8 @@
 use planner::{AxisMoveSpec, Field, InvalidFields, Limits, LimitsSpec, Plan, RequestSpec, State, Why};
 
 use super::choice::{
-    family_from_wire, family_to_wire, kind_from_wire, kind_to_wire, short_path_from_wire, short_path_to_wire,
-    synchronization_from_wire, synchronization_to_wire,
+    choice_to_wire, family_from_wire, family_to_wire, kind_from_wire, kind_to_wire, short_path_from_wire,
+    short_path_to_wire, synchronization_from_wire, synchronization_to_wire,
 };
 use super::{duration_to_ns, ns_to_duration};
 use crate::pb;
@@ -80,15 +80,6 @@ impl From<RequestSpec> for pb::PlanRequest {
             minimum_duration: minimum_duration.map(|seconds| ns_to_duration((seconds * 1e9) as i128)),
             end_on_cycle,
         }
-    }
-}
-
-/// The number of a choice; of one that could not be read, the number that was given, so that whoever answers says so.
-fn choice_to_wire<T>(choice: Result<T, Why>, to_wire: impl FnOnce(T) -> i32) -> i32 {
-    match choice {
-        Ok(choice) => to_wire(choice),
-        Err(Why::UnknownChoice { given, .. }) => given,
-        Err(_) => 0,
     }
 }
 

@@ -312,9 +312,10 @@ pub struct Classification {
     /// Rest to rest: "A" "B" "C.1" "C.2" "D.1" "D.2"; of TRIGONOMETRIC, that of half the jerk.
     #[prost(string, optional, tag = "3")]
     pub six_case: ::core::option::Option<::prost::alloc::string::String>,
-    /// Position, velocity and time: "R1" .. "R4".
-    #[prost(string, optional, tag = "4")]
-    pub pvt_region: ::core::option::Option<::prost::alloc::string::String>,
+    /// Position, velocity and time: "R1" .. "R4" of each point in turn, for the pieces that lead to it; none
+    /// where points are joined by polynomials.
+    #[prost(string, repeated, tag = "4")]
+    pub pvt_regions: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
     /// The greatest speed reached \[u/s\], >= 0.
     #[prost(double, tag = "5")]
     pub feed_rate: f64,
@@ -549,7 +550,8 @@ pub struct PlanExplanation {
     /// The axis that sets the duration.
     #[prost(string, tag = "1")]
     pub critical_axis: ::prost::alloc::string::String,
-    /// The limits that are reached, in order of axis and time.
+    /// The limits that are reached, in order of axis and time. Empty for a plan of PlanPvt: its points say how
+    /// long it takes.
     #[prost(message, repeated, tag = "2")]
     pub bindings: ::prost::alloc::vec::Vec<plan_explanation::Binding>,
 }
@@ -680,12 +682,13 @@ pub struct PvtPointReport {
     /// When it is reached \[s\] from the start.
     #[prost(double, tag = "6")]
     pub time: f64,
-    /// Least displacement that the limits allow in this interval \[u\].
-    #[prost(double, tag = "7")]
-    pub least_displacement: f64,
-    /// Greatest displacement that the limits allow in this interval \[u\].
-    #[prost(double, tag = "8")]
-    pub greatest_displacement: f64,
+    /// Least displacement from the point before it that the limits allow \[u\], with the velocity and in the
+    /// time as planned. Unset: the time is too short for the velocity, which only a polynomial keeps then.
+    #[prost(double, optional, tag = "7")]
+    pub least_displacement: ::core::option::Option<f64>,
+    /// Greatest displacement from the point before it that the limits allow \[u\]; unset with the least one.
+    #[prost(double, optional, tag = "8")]
+    pub greatest_displacement: ::core::option::Option<f64>,
     /// What was changed from what was asked. Empty: met as asked.
     #[prost(message, repeated, tag = "9")]
     pub adjustments: ::prost::alloc::vec::Vec<Adjustment>,

@@ -4,17 +4,20 @@ use proto::{Rejected, pb, plan_as_it_is_in, plan_to_wire, within};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
-use super::{not_implemented, sample};
+use super::{aside, plan_pvt, sample};
+use crate::Config;
 
 /// `PlannerService`: stateless, so any replica answers any call with the same bytes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Planner {
+    max_pvt_points: usize,
     max_sample_cycles: u64,
 }
 
 impl Planner {
-    pub(crate) fn new(max_sample_cycles: u64) -> Self {
-        Self { max_sample_cycles }
+    pub(crate) fn new(config: &Config) -> Self {
+        let &Config { max_pvt_points, max_sample_cycles, .. } = config;
+        Self { max_pvt_points, max_sample_cycles }
     }
 }
 
@@ -41,6 +44,14 @@ fn verify(wire: pb::VerifyPlanRequest) -> Result<pb::VerifyPlanResponse, Rejecte
     Ok(pb::VerifyPlanResponse { certificate: Some((&certificate).into()) })
 }
 
+/// From this many segments on, a plan takes longer to read and to judge than the streams of this process may wait: about a
+/// millisecond.
+const LONG: usize = 2_500;
+
+fn is_long(plan: Option<&pb::Plan>) -> bool {
+    plan.is_some_and(|plan| plan.axes.iter().map(|axis| axis.segments.len()).sum::<usize>() >= LONG)
+}
+
 #[tonic::async_trait]
 impl PlannerService for Planner {
     async fn plan(&self, request: Request<pb::PlanRequest>) -> Result<Response<pb::PlanResponse>, Status> {
@@ -49,16 +60,25 @@ impl PlannerService for Planner {
 
     async fn plan_pvt(
         &self,
-        _: Request<pb::PlanPvtRequest>,
+        request: Request<pb::PlanPvtRequest>,
     ) -> Result<Response<pb::PlanPvtResponse>, Status> {
-        Err(not_implemented("PlanPvt", "plan moves one by one with Plan"))
+        let (wire, most) = (request.into_inner(), self.max_pvt_points);
+        let response = if plan_pvt::is_long(&wire) {
+            aside(move || plan_pvt::plan(wire, most)).await?
+        } else {
+            plan_pvt::plan(wire, most)?
+        };
+        Ok(Response::new(response))
     }
 
     async fn verify_plan(
         &self,
         request: Request<pb::VerifyPlanRequest>,
     ) -> Result<Response<pb::VerifyPlanResponse>, Status> {
-        Ok(Response::new(verify(request.into_inner())?))
+        let wire = request.into_inner();
+        let response =
+            if is_long(wire.plan.as_ref()) { aside(move || verify(wire)).await? } else { verify(wire)? };
+        Ok(Response::new(response))
     }
 
     type SamplePlanStream = ReceiverStream<Result<pb::SamplePlanResponse, Status>>;
@@ -67,7 +87,12 @@ impl PlannerService for Planner {
         &self,
         request: Request<pb::SamplePlanRequest>,
     ) -> Result<Response<Self::SamplePlanStream>, Status> {
-        let sampling = sample::sampling(request.into_inner(), self.max_sample_cycles)?;
+        let (wire, most) = (request.into_inner(), self.max_sample_cycles);
+        let sampling = if is_long(wire.plan.as_ref()) {
+            aside(move || sample::sampling(wire, most)).await?
+        } else {
+            sample::sampling(wire, most)?
+        };
         Ok(Response::new(sample::stream(sampling)))
     }
 }

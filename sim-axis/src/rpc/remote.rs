@@ -3,7 +3,7 @@
 use client::{Error, address};
 use proto::pb::run_tracking_response::Message;
 use proto::pb::sim_axis_service_client::SimAxisServiceClient;
-use proto::{Rejected, pb, plan_to_wire};
+use proto::{MAX_MESSAGE_BYTES, Rejected, pb, plan_to_wire};
 use tonic::transport::Channel;
 use tonic::{Status, Streaming};
 
@@ -25,9 +25,6 @@ pub struct RemoteRun {
     report: Option<TrackingReport>,
 }
 
-/// The largest message \[bytes\]: a report and a chunk of samples have a few kilobytes, a plan may have megabytes.
-const MAX_MESSAGE: usize = 64 << 20;
-
 impl RemoteAxis {
     /// Connects to the simulator at `endpoint`: `http://127.0.0.1:50052`, or without the scheme.
     ///
@@ -36,7 +33,7 @@ impl RemoteAxis {
     pub async fn connect(endpoint: &str) -> Result<Self, Error> {
         let address = address(endpoint)?.tcp_nodelay(true);
         let channel = address.connect().await.map_err(|error| Error::unreachable(endpoint, &error))?;
-        let service = SimAxisServiceClient::new(channel).max_decoding_message_size(MAX_MESSAGE);
+        let service = SimAxisServiceClient::new(channel).max_decoding_message_size(MAX_MESSAGE_BYTES);
         Ok(Self { endpoint: endpoint.into(), service })
     }
 
@@ -45,7 +42,7 @@ impl RemoteAxis {
     /// # Errors
     /// [`Error::Rejected`] with every field that is invalid, or with what the planner says that does not open the stream.
     pub async fn track(&self, request: TrackRequest) -> Result<RemoteRun, Error> {
-        let request = Error::unless_fits(&self.endpoint, to_wire(request), MAX_MESSAGE)?;
+        let request = Error::unless_fits(&self.endpoint, to_wire(request), MAX_MESSAGE_BYTES)?;
         let response = self.service.clone().run_tracking(request).await;
         let incoming = response.map_err(|status| self.error(&status))?.into_inner();
         Ok(RemoteRun { endpoint: self.endpoint.clone(), incoming, report: None })
