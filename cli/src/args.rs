@@ -1,5 +1,7 @@
 //! Every flag, with its unit in `--help`, and an example for every command.
 
+mod pvt;
+
 use std::path::PathBuf;
 
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum};
@@ -7,6 +9,7 @@ use planner::{AxisKind, AxisMoveSpec, LimitsSpec, RequestSpec, ShortPathPolicy, 
 use proto::Reason;
 
 use crate::law::{Law, LawFlags};
+pub(crate) use pvt::PvtArgs;
 
 /// Smooth, jerk-limited motion for machine axes: plans it, proves it, streams it.
 ///
@@ -24,6 +27,8 @@ Examples:
   portamento demo
   portamento plan --distance 0.05 --max-velocity 0.25 --max-acceleration 3 \\
       --max-jerk 100 --plot move.svg --output move.json
+  portamento pvt --points points.csv --max-velocity 0.5 \\
+      --max-acceleration 4 --max-jerk 160 --plot points.svg
   portamento verify --plan move.json
   portamento sample --plan move.json --output move.csv
   portamento track --plan move.json --endpoint http://127.0.0.1:50052
@@ -64,6 +69,7 @@ pub(crate) struct Global {
 pub(crate) enum Command {
     Demo(DemoArgs),
     Plan(Box<PlanArgs>),
+    Pvt(Box<PvtArgs>),
     Compare(Box<CompareArgs>),
     Verify(VerifyArgs),
     Sample(SampleArgs),
@@ -107,15 +113,19 @@ pub(crate) struct PlanArgs {
     #[command(flatten)]
     pub(crate) one: MoveFlags,
     #[command(flatten)]
+    pub(crate) limits: LimitFlags,
+    #[command(flatten)]
+    pub(crate) higher: HigherLimitFlags,
+    #[command(flatten)]
     pub(crate) law: LawFlags,
     /// Plan the PlanRequest in this file, in proto3 JSON; '-' reads standard input.
     #[arg(long, value_name = "FILE.json", help_heading = "Input from files", group = "files",
-        conflicts_with_all = ["batch", "MoveFlags", "LawFlags"])]
+        conflicts_with_all = ["batch", "MoveFlags", "LimitFlags", "HigherLimitFlags", "LawFlags"])]
     pub(crate) request: Option<PathBuf>,
     /// Plan every line of this file, a PlanRequest in proto3 JSON each, and print a line of JSON for each, in order:
     /// the PlanResponse, or {"error": ...}. Empty lines are skipped. '-' reads standard input.
     #[arg(long, value_name = "FILE.jsonl", help_heading = "Input from files", group = "files",
-        conflicts_with_all = ["MoveFlags", "LawFlags", "plot", "output"])]
+        conflicts_with_all = ["MoveFlags", "LimitFlags", "HigherLimitFlags", "LawFlags", "plot", "output"])]
     pub(crate) batch: Option<PathBuf>,
     /// Write a plot of position, velocity, acceleration and jerk over time.
     #[arg(long, value_name = "FILE.svg", help_heading = "Output", value_parser = svg)]
@@ -144,39 +154,6 @@ pub(crate) struct MoveFlags {
     /// Velocity at the end [u/s]; 0 if not given, negative: backwards.
     #[arg(long, value_name = "U/S", help_heading = "Move")]
     end_velocity: Option<f64>,
-    /// Greatest speed [u/s].
-    #[arg(long, value_name = "U/S", help_heading = "Limits")]
-    #[arg(required_unless_present = "files")]
-    max_velocity: Option<f64>,
-    /// Greatest acceleration while speed grows [u/s²].
-    #[arg(long, value_name = "U/S²", help_heading = "Limits")]
-    #[arg(required_unless_present = "files")]
-    max_acceleration: Option<f64>,
-    /// Greatest jerk [u/s³].
-    #[arg(long, value_name = "U/S³", help_heading = "Limits")]
-    #[arg(required_unless_present = "files")]
-    max_jerk: Option<f64>,
-    /// Greatest acceleration while speed shrinks [u/s²]; as --max-acceleration if not given.
-    #[arg(long, value_name = "U/S²", help_heading = "Limits")]
-    max_deceleration: Option<f64>,
-    /// Greatest snap, the fourth derivative [u/s⁴]; needed by polynomials of order 4 and up.
-    #[arg(long, value_name = "U/S⁴", help_heading = "Limits")]
-    max_snap: Option<f64>,
-    /// Greatest fifth, sixth ... derivative in turn [u/s⁵ ...]; needed by polynomials of order 5 and up.
-    #[arg(long, value_name = "U/S⁵", num_args = 1.., help_heading = "Limits")]
-    max_higher_derivatives: Vec<f64>,
-    /// Speed to cruise at [u/s], at most --max-velocity, which it is if not given.
-    #[arg(long, value_name = "U/S", help_heading = "Limits")]
-    feed_rate: Option<f64>,
-    /// Greatest speed towards falling positions [u/s], 0 forbids it; as --max-velocity if not given.
-    #[arg(long, value_name = "U/S", help_heading = "Limits")]
-    max_velocity_reverse: Option<f64>,
-    /// Least position [u]; none if not given.
-    #[arg(long, value_name = "U", help_heading = "Limits")]
-    min_position: Option<f64>,
-    /// Greatest position [u]; none if not given.
-    #[arg(long, value_name = "U", help_heading = "Limits")]
-    max_position: Option<f64>,
     /// What the axis moves in, and with it the unit u: prismatic [m] if not given, revolute [rad], or pulses.
     #[arg(long, value_enum, value_name = "KIND", help_heading = "Axis", hide_possible_values = true)]
     kind: Option<Kind>,
@@ -195,6 +172,49 @@ pub(crate) struct MoveFlags {
     /// Stretch the move, from rest to rest, to a whole number of cycles; an S-curve in each of its pieces.
     #[arg(long, help_heading = "Method")]
     end_on_cycle: bool,
+}
+
+/// What an axis may do.
+#[derive(Debug, Default, Args)]
+pub(crate) struct LimitFlags {
+    /// Greatest speed [u/s].
+    #[arg(long, value_name = "U/S", help_heading = "Limits")]
+    #[arg(required_unless_present = "files")]
+    max_velocity: Option<f64>,
+    /// Greatest acceleration while speed grows [u/s²].
+    #[arg(long, value_name = "U/S²", help_heading = "Limits")]
+    #[arg(required_unless_present = "files")]
+    max_acceleration: Option<f64>,
+    /// Greatest jerk [u/s³].
+    #[arg(long, value_name = "U/S³", help_heading = "Limits")]
+    #[arg(required_unless_present = "files")]
+    max_jerk: Option<f64>,
+    /// Greatest acceleration while speed shrinks [u/s²]; as --max-acceleration if not given.
+    #[arg(long, value_name = "U/S²", help_heading = "Limits")]
+    max_deceleration: Option<f64>,
+    /// Speed to cruise at [u/s], at most --max-velocity, which it is if not given.
+    #[arg(long, value_name = "U/S", help_heading = "Limits")]
+    feed_rate: Option<f64>,
+    /// Greatest speed towards falling positions [u/s], 0 forbids it; as --max-velocity if not given.
+    #[arg(long, value_name = "U/S", help_heading = "Limits")]
+    max_velocity_reverse: Option<f64>,
+    /// Least position [u]; none if not given.
+    #[arg(long, value_name = "U", help_heading = "Limits")]
+    min_position: Option<f64>,
+    /// Greatest position [u]; none if not given.
+    #[arg(long, value_name = "U", help_heading = "Limits")]
+    max_position: Option<f64>,
+}
+
+/// What polynomials need of an axis as well.
+#[derive(Debug, Default, Args)]
+pub(crate) struct HigherLimitFlags {
+    /// Greatest snap, the fourth derivative [u/s⁴]; needed by polynomials of order 4 and up.
+    #[arg(long, value_name = "U/S⁴", help_heading = "Limits")]
+    max_snap: Option<f64>,
+    /// Greatest fifth, sixth ... derivative in turn [u/s⁵ ...]; needed by polynomials of order 5 and up.
+    #[arg(long, value_name = "U/S⁵", num_args = 1.., help_heading = "Limits")]
+    max_higher_derivatives: Vec<f64>,
 }
 
 /// Plan one move with several families, have the same simulated axis follow each, and show the differences.
@@ -232,13 +252,17 @@ Examples:
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) one: MoveFlags,
+    #[command(flatten)]
+    pub(crate) limits: LimitFlags,
+    #[command(flatten)]
+    pub(crate) higher: HigherLimitFlags,
     /// The families: s-curve, trapezoidal, polynomial:N with N from 2 to 8, trigonometric.
     #[arg(long, value_name = "FAMILY,...", value_delimiter = ',', value_parser = Law::named, help_heading = "Method",
         default_values_t = Law::OF_THE_PAPER)]
     pub(crate) families: Vec<Law>,
     /// Compare the PlanRequests in these files, in proto3 JSON.
     #[arg(long, value_name = "FILE.json", num_args = 1.., help_heading = "Input from files", group = "files",
-        conflicts_with_all = ["MoveFlags", "families"])]
+        conflicts_with_all = ["MoveFlags", "LimitFlags", "HigherLimitFlags", "families"])]
     pub(crate) request: Vec<PathBuf>,
     /// What the axis that follows is made of: a list of one AxisModel, in proto3 JSON, instead of the linear motor.
     #[arg(long, value_name = "FILE.json", help_heading = "Input from files")]
@@ -353,6 +377,9 @@ pub(crate) struct TrackArgs {
     /// How near to the goal counts as settled [u]; 10 um, 10 urad or one pulse if not given.
     #[arg(long, value_name = "U")]
     pub(crate) settle_tolerance: Option<f64>,
+    /// Follow a plan too that promises no limits, as one through points joined by cubics or quintics.
+    #[arg(long)]
+    pub(crate) accept_unproved: bool,
     /// Draw s, v, a and j of the axis, commanded against measured; of the first axis, where there are several.
     #[arg(long, value_name = "FILE.svg", value_parser = svg)]
     pub(crate) plot: Option<PathBuf>,
@@ -394,12 +421,10 @@ enum ShortPath {
     Reverse,
 }
 
-impl MoveFlags {
-    /// The request that the flags and the law stand for; nothing but clap has checked it.
-    pub(crate) fn to_spec(&self, law: Law) -> RequestSpec {
-        let start_position = self.from.unwrap_or(0.0);
-        let goal_position = self.to.unwrap_or(start_position + self.distance.unwrap_or(0.0));
-        let limits = LimitsSpec {
+impl LimitFlags {
+    /// The limits that the flags stand for; nothing but clap has checked them.
+    pub(crate) fn to_spec(&self) -> LimitsSpec {
+        LimitsSpec {
             max_velocity: self.max_velocity.unwrap_or_default(),
             max_acceleration: self.max_acceleration.unwrap_or_default(),
             max_jerk: self.max_jerk.unwrap_or_default(),
@@ -407,10 +432,38 @@ impl MoveFlags {
             max_velocity_reverse: self.max_velocity_reverse,
             min_position: self.min_position,
             max_position: self.max_position,
+            feed_rate: self.feed_rate,
+            ..LimitsSpec::default()
+        }
+    }
+}
+
+impl HigherLimitFlags {
+    /// `limits` with those of higher orders.
+    pub(crate) fn beside(&self, limits: &LimitFlags) -> LimitsSpec {
+        LimitsSpec {
             max_snap: self.max_snap,
             max_higher_derivatives: self.max_higher_derivatives.clone(),
-            feed_rate: self.feed_rate,
-        };
+            ..limits.to_spec()
+        }
+    }
+}
+
+impl From<Kind> for AxisKind {
+    fn from(kind: Kind) -> Self {
+        match kind {
+            Kind::Prismatic => Self::Prismatic,
+            Kind::Revolute => Self::Revolute,
+            Kind::Pulses => Self::Pulses,
+        }
+    }
+}
+
+impl MoveFlags {
+    /// The request that the flags and the law stand for; nothing but clap has checked it.
+    pub(crate) fn to_spec(&self, limits: LimitsSpec, law: Law) -> RequestSpec {
+        let start_position = self.from.unwrap_or(0.0);
+        let goal_position = self.to.unwrap_or(start_position + self.distance.unwrap_or(0.0));
         let at = |position, velocity: Option<f64>| State {
             position,
             velocity: velocity.unwrap_or(0.0),
@@ -418,11 +471,7 @@ impl MoveFlags {
         };
         let axis = AxisMoveSpec {
             axis: self.axis.clone().unwrap_or_else(|| "x".to_owned()),
-            kind: Ok(match self.kind {
-                None | Some(Kind::Prismatic) => AxisKind::Prismatic,
-                Some(Kind::Revolute) => AxisKind::Revolute,
-                Some(Kind::Pulses) => AxisKind::Pulses,
-            }),
+            kind: Ok(self.kind.map_or(AxisKind::Prismatic, AxisKind::from)),
             start: at(start_position, self.start_velocity),
             goal: at(goal_position, self.end_velocity),
             limits,
@@ -445,9 +494,12 @@ impl MoveFlags {
     }
 }
 
-/// Fields of a request made from [`MoveFlags`], and the flags that set them. Where one name begins with another, it
+/// Fields of a request made from flags, and the flags that set them. Where one name begins with another, it
 /// comes first.
-const FLAGS: [(&str, &str); 20] = [
+const FLAGS: [(&str, &str); 23] = [
+    ("interpolation", "--interpolation"),
+    ("policy", "--policy"),
+    ("finish_unreached", "--finish-unreached"),
     ("cycle_time", "--cycle-time"),
     ("family", "--family"),
     ("order", "--order"),
@@ -470,9 +522,10 @@ const FLAGS: [(&str, &str); 20] = [
     ("limits.max_higher_derivatives", "--max-higher-derivatives"),
 ];
 
-/// The flag that sets the field, so that a refusal speaks of what was typed.
+/// The flag that sets the field, so that a refusal speaks of what was typed. All axes have what the flags say.
 pub(crate) fn flag_of(field: &str) -> Option<&'static str> {
-    let field = field.strip_prefix("axes[0].").unwrap_or(field);
+    let of_axis = field.strip_prefix("axes[").and_then(|rest| rest.split_once("]."));
+    let field = of_axis.map_or(field, |(_, field)| field);
     FLAGS.iter().find(|(name, _)| *name == field).map(|(_, flag)| *flag)
 }
 

@@ -23,6 +23,9 @@ pub(crate) enum Failure {
     /// It can be read, and is something else.
     #[error("{path} is not a {expected} in proto3 JSON: {cause}", path = place(.path))]
     NotAMessage { path: PathBuf, expected: &'static str, cause: JsonError },
+    /// A table that is none.
+    #[error("{path}, line {line}: {cause}", path = place(.path))]
+    NotPoints { path: PathBuf, line: usize, cause: String },
     /// The planner, or the server, says no.
     #[error("{0}")]
     Refused(Box<Rejected>),
@@ -37,7 +40,7 @@ pub(crate) enum Failure {
     NotAModel { path: PathBuf, cause: sim_axis::ModelFileError },
     /// Nobody answers.
     #[error(
-        "{endpoint} does not answer, or what it needs does not: {cause}. Start it, or correct the address; plan, verify and sample also work without --endpoint"
+        "{endpoint} does not answer, or what it needs does not: {cause}. Start it, or correct the address; plan, pvt, verify and sample also work without --endpoint"
     )]
     Unreachable { endpoint: String, cause: String },
     /// Whoever read the output has gone: a quiet end.
@@ -54,6 +57,7 @@ impl Failure {
             Self::Unreadable { .. }
             | Self::NotAMessage { .. }
             | Self::NotAModel { .. }
+            | Self::NotPoints { .. }
             | Self::NotAlike
             | Self::Simulation { .. } => 2,
             // An axis that does not get through to its planner.

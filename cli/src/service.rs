@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use client::Client;
-use planner::{Accepted, Certificate, Judged, Plan, Request, RequestSpec};
+use planner::{
+    Accepted, Certificate, Judged, JudgedPvt, Plan, PvtRequest, PvtRequestSpec, Request, RequestSpec,
+};
 use proto::{Against, Chunk, Rejected, Sampling};
 use tokio::runtime::Runtime;
 use tokio::sync::Semaphore;
@@ -27,6 +29,42 @@ pub(crate) struct Remote {
     client: Client,
 }
 
+/// What a planner can be asked.
+pub(crate) trait Question: Sized + Send + 'static {
+    /// What it answers.
+    type Answer: Send + 'static;
+
+    /// Asks the planner in this process.
+    fn here(self) -> Result<Self::Answer, Rejected>;
+
+    /// Asks a server.
+    fn there(self, client: &Client) -> impl Future<Output = Result<Self::Answer, client::Error>> + Send;
+}
+
+impl Question for RequestSpec {
+    type Answer = Judged;
+
+    fn here(self) -> Result<Judged, Rejected> {
+        Ok(Judged::answer(&Request::try_from(self)?)?)
+    }
+
+    fn there(self, client: &Client) -> impl Future<Output = Result<Judged, client::Error>> + Send {
+        client.plan(self)
+    }
+}
+
+impl Question for PvtRequestSpec {
+    type Answer = JudgedPvt;
+
+    fn here(self) -> Result<JudgedPvt, Rejected> {
+        Ok(JudgedPvt::answer(&PvtRequest::try_from(self)?)?)
+    }
+
+    fn there(self, client: &Client) -> impl Future<Output = Result<JudgedPvt, client::Error>> + Send {
+        client.plan_pvt(self)
+    }
+}
+
 /// What takes answers, one after the other.
 type Put<'a, T> = &'a mut dyn FnMut(T) -> Result<(), Failure>;
 
@@ -39,29 +77,29 @@ impl Service {
         Ok(Self::Remote(Box::new(Remote { runtime, client })))
     }
 
-    pub(crate) fn plan(&self, spec: RequestSpec) -> Result<Judged, Failure> {
+    pub(crate) fn plan<Q: Question>(&self, question: Q) -> Result<Q::Answer, Failure> {
         match self {
-            Self::InProcess => answer(spec).map_err(Failure::refused),
-            Self::Remote(remote) => Ok(remote.runtime.block_on(remote.client.plan(spec))?),
+            Self::InProcess => question.here().map_err(Failure::refused),
+            Self::Remote(remote) => Ok(remote.runtime.block_on(question.there(&remote.client))?),
         }
     }
 
     /// Answers every request, in order. One that is none, or that cannot be met, has its refusal for an answer.
-    pub(crate) fn plan_all<T: Send + Sync>(
+    pub(crate) fn plan_all<T: Send + Sync, Q: Question>(
         &self,
         requests: Vec<T>,
-        read: fn(&T) -> Result<RequestSpec, Rejected>,
-        write: fn(Result<Judged, Rejected>) -> String,
+        read: fn(&T) -> Result<Q, Rejected>,
+        write: impl Fn(Result<Q::Answer, Rejected>) -> String + Copy + Send + Sync + 'static,
         put: Put<'_, String>,
     ) -> Result<(), Failure> {
         match self {
             Self::InProcess => {
-                let answers = shared(&requests, &|request| write(read(request).and_then(answer)));
+                let answers = shared(&requests, &|request| write(read(request).and_then(Q::here)));
                 answers.into_iter().try_for_each(put)
             }
             Self::Remote(remote) => {
-                let specs = requests.iter().map(read).collect();
-                remote.runtime.block_on(ask_all(&remote.client, specs, write, put))
+                let questions = requests.iter().map(read).collect();
+                remote.runtime.block_on(ask_all(&remote.client, questions, write, put))
             }
         }
     }
@@ -118,26 +156,26 @@ fn shared<T: Sync>(all: &[T], each: &(impl Fn(&T) -> String + Sync)) -> Vec<Stri
 }
 
 /// Asks a server, with many requests under way, and hands on the answers in order.
-async fn ask_all(
+async fn ask_all<Q: Question>(
     client: &Client,
-    specs: Vec<Result<RequestSpec, Rejected>>,
-    write: fn(Result<Judged, Rejected>) -> String,
+    questions: Vec<Result<Q, Rejected>>,
+    write: impl Fn(Result<Q::Answer, Rejected>) -> String + Copy + Send + 'static,
     put: Put<'_, String>,
 ) -> Result<(), Failure> {
     let room = Arc::new(Semaphore::new(IN_FLIGHT));
-    let asked: Vec<_> = specs
+    let asked: Vec<_> = questions
         .into_iter()
-        .map(|spec| {
+        .map(|question| {
             let (client, room) = (client.clone(), room.clone());
             tokio::spawn(async move {
-                let spec = match spec {
-                    Ok(spec) => spec,
+                let question = match question {
+                    Ok(question) => question,
                     Err(rejected) => return Ok(write(Err(rejected))),
                 };
                 // The semaphore is never closed.
                 let _place = room.acquire().await;
-                match client.plan(spec).await {
-                    Ok(judged) => Ok(write(Ok(judged))),
+                match question.there(&client).await {
+                    Ok(answer) => Ok(write(Ok(answer))),
                     Err(client::Error::Rejected(rejected)) => Ok(write(Err(*rejected))),
                     Err(error) => Err(error),
                 }
@@ -153,11 +191,6 @@ async fn ask_all(
 
 /// The fewest requests that are worth a thread.
 const LEAST_SHARE: usize = 32;
-
-fn answer(spec: RequestSpec) -> Result<Judged, Rejected> {
-    let request = Request::try_from(spec)?;
-    Ok(Judged::answer(&request)?)
-}
 
 fn sample(plan: Plan, first_cycle: u64, cycles: u64, put: Put<'_, Chunk>) -> Result<(), Failure> {
     let accepted: Accepted = proto::accepted("plan", plan).map_err(Failure::refused)?;

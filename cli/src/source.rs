@@ -1,18 +1,21 @@
 //! What is read: files and standard input, and the messages in them. Beside `show/json` the only place of this tool
 //! that names wire types.
 
+mod points;
+
 use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Read};
 use std::path::Path;
 
-use planner::{InvalidFields, Plan, RequestSpec};
+use planner::{InvalidFields, Plan, PvtRequestSpec, RequestSpec};
 use proto::{Against, JsonError, Reason, Rejected, pb};
 use sim_axis::AxisModel;
 
 use crate::failure::Failure;
+pub(crate) use points::{PointTable, cells, number};
 
-/// The longest line that is taken [bytes]: a request of 64 axes has about 20 kB.
-const LONGEST_LINE: usize = 4 << 20;
+/// The longest line that is taken [bytes]: a request of 64 axes has about 20 kB, one of 10 000 points of six axes 4 MB.
+const LONGEST_LINE: usize = 8 << 20;
 
 /// The request in a file.
 pub(crate) fn request(path: &Path) -> Result<RequestSpec, Failure> {
@@ -20,7 +23,14 @@ pub(crate) fn request(path: &Path) -> Result<RequestSpec, Failure> {
     Ok(request.into())
 }
 
-/// The plan in a file, from a Plan or a PlanResponse.
+/// The request for points in a file.
+pub(crate) fn pvt_request(path: &Path) -> Result<PvtRequestSpec, Failure> {
+    let request =
+        proto::from_json::<pb::PlanPvtRequest>(&text(path)?).map_err(not_a("PlanPvtRequest", path))?;
+    Ok(request.into())
+}
+
+/// The plan in a file, from a Plan, a PlanResponse or a PlanPvtResponse.
 pub(crate) fn plan(path: &Path) -> Result<Plan, Failure> {
     proto::plan_from_wire(wire_plan(path)?).map_err(Failure::refused)
 }
@@ -32,13 +42,16 @@ pub(crate) fn plan_as_it_is(path: &Path) -> Result<(Plan, InvalidFields), Failur
 
 fn wire_plan(path: &Path) -> Result<pb::Plan, Failure> {
     let text = text(path)?;
-    let wrapped =
-        serde_json::from_str(&text).is_ok_and(|value: serde_json::Value| value.get("plan").is_some());
-    if !wrapped {
+    let keys: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+    let plan = if keys.get("plan").is_none() {
         return proto::from_json::<pb::Plan>(&text).map_err(not_a("Plan", path));
-    }
-    let response = proto::from_json::<pb::PlanResponse>(&text).map_err(not_a("PlanResponse", path))?;
-    Ok(response.plan.unwrap_or_default())
+    } else if keys.get("points").is_some() {
+        let response = proto::from_json::<pb::PlanPvtResponse>(&text);
+        response.map_err(not_a("PlanPvtResponse", path))?.plan
+    } else {
+        proto::from_json::<pb::PlanResponse>(&text).map_err(not_a("PlanResponse", path))?.plan
+    };
+    Ok(plan.unwrap_or_default())
 }
 
 /// The axis that a file describes: the first, where there are several.
@@ -116,8 +129,17 @@ impl Lines {
 }
 
 impl Line {
-    /// The request of the line, or why it is none.
+    /// The move that the line asks for, or why it asks for none.
     pub(crate) fn request(&self) -> Result<RequestSpec, Rejected> {
+        self.message("PlanRequest", proto::from_json::<pb::PlanRequest>).map(Into::into)
+    }
+
+    /// The motion through points that the line asks for, or why it asks for none.
+    pub(crate) fn pvt_request(&self) -> Result<PvtRequestSpec, Rejected> {
+        self.message("PlanPvtRequest", proto::from_json::<pb::PlanPvtRequest>).map(Into::into)
+    }
+
+    fn message<T>(&self, name: &str, read: fn(&str) -> Result<T, JsonError>) -> Result<T, Rejected> {
         let bytes = match &self.text {
             Text::Bytes(bytes) => bytes,
             Text::TooLong => {
@@ -134,13 +156,11 @@ impl Line {
             );
             self.refusal(Reason::MessageInvalid, message)
         })?;
-        proto::from_json::<pb::PlanRequest>(text)
-            .map(RequestSpec::from)
-            .map_err(|error| self.unreadable(text, &error))
+        read(text).map_err(|error| self.unreadable(text, &error, name))
     }
 
     /// A number that JSON cannot carry has a reason of its own.
-    fn unreadable(&self, text: &str, error: &JsonError) -> Rejected {
+    fn unreadable(&self, text: &str, error: &JsonError, expected: &str) -> Rejected {
         let (column, cause) = match error {
             JsonError::Read { column, cause, .. } => (*column, cause.as_str()),
             JsonError::Write { cause } => (1, cause.as_str()),
@@ -152,9 +172,9 @@ impl Line {
         let beyond =
             cause.contains("out of range") || text[..from].ends_with('-') && word.starts_with("Infinity");
         let (reason, way_out) = if beyond || not_finite.iter().any(|name| word.starts_with(name)) {
-            (Reason::NotFinite, "give finite numbers")
+            (Reason::NotFinite, "give finite numbers".to_owned())
         } else {
-            (Reason::MessageInvalid, "give one PlanRequest in proto3 JSON a line")
+            (Reason::MessageInvalid, format!("give one {expected} in proto3 JSON a line"))
         };
         self.refusal(reason, format!("line {number}, column {column}: {cause}: {way_out}"))
     }

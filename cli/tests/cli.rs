@@ -41,7 +41,7 @@ fn unversioned(text: &str) -> String {
 
 #[test]
 fn help_teaches() {
-    for command in ["", "demo", "plan", "compare", "verify", "sample", "track", "explain"] {
+    for command in ["", "demo", "plan", "pvt", "compare", "verify", "sample", "track", "explain"] {
         let args: Vec<&str> = [command, "--help"].into_iter().filter(|arg| !arg.is_empty()).collect();
         let help = portamento(&args, "").with(0).out;
         assert!(help.contains("Examples:"), "{help}");

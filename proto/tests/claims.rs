@@ -185,7 +185,7 @@ fn plans_through_points_are_told_from_each_other_and_from_moves() {
     // What keeps no limit promises none; a cubic that says it does is for the judge.
     let mut cubic = plan_to_wire(joined_by(Cubic).judged());
     assert_eq!(cubic.guaranteed, [0; 0]);
-    cubic.guaranteed = vec![pb::Quantity::Velocity as i32, pb::Quantity::Acceleration as i32];
+    cubic.guaranteed = plan_to_wire(joined_by(SShaped).judged()).guaranteed;
     let plan = plan_from_wire(pb::Plan { fingerprint: vec![], ..cubic }).unwrap();
     assert!(!Judged::new(plan).certificate().passed());
     let mut ramps = plan_to_wire(joined_by(SShaped).judged());

@@ -27,7 +27,7 @@ pub(crate) fn run(
     };
     let watched = Watched { model: &model, settle_tolerance: args.settle_tolerance };
     let (all, chosen) = if args.request.is_empty() {
-        let spec = args.one.to_spec(Law::default());
+        let spec = args.one.to_spec(args.higher.beside(&args.limits), Law::default());
         families(&service, &spec, &args.families, watched)
             .map_err(|failure| in_flags(failure, screen.json))?
     } else {

@@ -1,9 +1,12 @@
 //! One file for each subcommand.
 
+mod batch;
 mod compare;
 mod demo;
 mod explain;
+mod follow;
 mod plan;
+mod pvt;
 mod sample;
 mod track;
 mod verify;
@@ -29,6 +32,7 @@ pub(crate) fn run() -> u8 {
     let done = match &command {
         Command::Demo(args) => demo::run(args, &mut screen),
         Command::Plan(args) => plan::run(args, endpoint, &mut screen),
+        Command::Pvt(args) => pvt::run(args, endpoint, &mut screen),
         Command::Compare(args) => compare::run(args, endpoint, &mut screen),
         Command::Verify(args) => verify::run(args, endpoint, &mut screen),
         Command::Sample(args) => sample::run(args, endpoint, &mut screen),

@@ -1,28 +1,21 @@
-use std::path::Path;
-
-use planner::Judged;
-use proto::Rejected;
-
 use crate::args::{self, PlanArgs};
+use crate::command::batch;
 use crate::failure::Failure;
 use crate::service::Service;
 use crate::show::paint::Screen;
 use crate::show::{json, plot, table};
-use crate::source::{self, Line, Lines};
-
-/// How many lines of a batch are worked on together: what is in memory at once.
-const LINES_AT_ONCE: usize = 1024;
+use crate::source::{self, Line};
 
 /// `portamento plan`
 pub(crate) fn run(args: &PlanArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
     let service = Service::open(endpoint)?;
     if let Some(path) = &args.batch {
-        return batch(path, &service, screen);
+        return batch::run(path, &service, Line::request, json::plan_response, screen);
     }
     let judged = match &args.request {
         Some(path) => service.plan(source::request(path)?)?,
         None => service
-            .plan(args.one.to_spec(args.law.law()))
+            .plan(args.one.to_spec(args.higher.beside(&args.limits), args.law.law()))
             .map_err(|failure| in_flags(failure, screen.json))?,
     };
     if let Some(path) = &args.output {
@@ -39,31 +32,6 @@ pub(crate) fn run(args: &PlanArgs, endpoint: Option<&str>, screen: &mut Screen<'
     }
     table::plan(screen, &judged)?;
     Ok(())
-}
-
-/// An answer a line, in the order of the lines.
-fn batch(path: &Path, service: &Service, screen: &mut Screen<'_>) -> Result<(), Failure> {
-    let mut lines = Lines::open(path)?;
-    loop {
-        let next = lines.next(LINES_AT_ONCE).map_err(Failure::unreadable(path))?;
-        if next.is_empty() {
-            return Ok(());
-        }
-        service.plan_all(next, Line::request, answer_line, &mut |answer| {
-            Ok(writeln!(screen.out, "{answer}")?)
-        })?;
-        // Whoever sends a line and waits for its answer gets it.
-        screen.out.flush()?;
-    }
-}
-
-fn answer_line(answer: Result<Judged, Rejected>) -> String {
-    let written = answer.and_then(|judged| {
-        // A plan of ours has nothing that JSON cannot carry.
-        json::plan_response(&judged)
-            .map_err(|error| Rejected::new(proto::Reason::PlanRejected, error.to_string()))
-    });
-    written.unwrap_or_else(|rejected| json::error(&rejected))
 }
 
 /// A refusal in the words of the command line. Programs get the fields of the schema.

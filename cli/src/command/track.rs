@@ -23,6 +23,7 @@ pub(crate) fn run(args: &TrackArgs, endpoint: Option<&str>, screen: &mut Screen<
         lead_cycles: args.lead,
         settle_window: args.settle_window.map_or(DEFAULT_SETTLE_WINDOW, |ns| ns as f64 / 1e9),
         settle_tolerance: args.settle_tolerance,
+        accept_unproved: args.accept_unproved,
         ..TrackRequest::new(args.stream.clone(), String::new(), plan)
     };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();

@@ -1,6 +1,6 @@
 //! Messages as JSON, one a line: beside `source` the only place of this tool that names wire types.
 
-use planner::{Certificate, Judged};
+use planner::{Certificate, Judged, JudgedPvt, PvtPointReport};
 use proto::stream::Columns;
 use proto::{Digest, JsonError, Rejected, pb};
 use sim_axis::TrackingReport;
@@ -8,6 +8,16 @@ use sim_axis::TrackingReport;
 /// A `PlanResponse`.
 pub(crate) fn plan_response(judged: &Judged) -> Result<String, JsonError> {
     proto::to_json(&pb::PlanResponse { plan: Some(proto::plan_to_wire(judged)) })
+}
+
+/// A `PlanPvtResponse`.
+pub(crate) fn pvt_response(judged: &JudgedPvt) -> Result<String, JsonError> {
+    proto::to_json(&proto::pvt_to_wire(judged))
+}
+
+/// A `PvtPointReport`.
+pub(crate) fn point(report: &PvtPointReport, axis: &str) -> Result<String, JsonError> {
+    proto::to_json(&proto::point_to_wire(report, axis))
 }
 
 /// A `Plan`, over several lines, to be kept in a file.

@@ -6,6 +6,7 @@ pub(crate) mod json;
 pub(crate) mod number;
 pub(crate) mod paint;
 pub(crate) mod plot;
+pub(crate) mod points;
 pub(crate) mod report;
 pub(crate) mod table;
 pub(crate) mod watch;

@@ -3,8 +3,9 @@
 use std::io;
 
 use planner::{
-    AdjustmentReason, AsymmetricType, AxisKind, AxisPlan, Certificate, Classification, EightType, EndCheck,
-    Family, InvalidFields, JoinCheck, Judged, LimitCheck, Method, Plan, Quantity, SixCase, Violation,
+    Adjustment, AdjustmentReason, AsymmetricType, AxisKind, AxisPlan, Certificate, Classification, EightType,
+    EndCheck, Family, InvalidFields, JoinCheck, Judged, LimitCheck, Method, Plan, PvtInterpolation,
+    PvtMethod, Quantity, SixCase, Violation,
 };
 
 use crate::show::number::{self, column, counted, exact_column, plain, unit};
@@ -17,11 +18,8 @@ const LONGEST_NAME: usize = 16;
 
 /// Everything about a plan.
 pub(crate) fn plan(screen: &mut Screen<'_>, judged: &Judged) -> io::Result<()> {
-    let (plan, paint) = (judged.plan(), screen.paint);
-    let (seconds, cycles) = (plain(plan.duration()), counted(plan.cycle_count(), "cycle"));
-    let heading = format!("{seconds} s, {cycles} of {}", number::cycle(plan.cycle_time()));
-    let version = clean(&plan.maker().planner_version);
-    writeln!(screen.out, "{}; {} by planner {version}", paint.heading(&heading), family(plan.method()))?;
+    let plan = judged.plan();
+    heading(screen, plan)?;
     let critical = &judged.explanation().critical_axis;
     if plan.axes().len() > 1 {
         writeln!(screen.out, "Axis {} takes longest.", clean(critical))?;
@@ -31,6 +29,16 @@ pub(crate) fn plan(screen: &mut Screen<'_>, judged: &Judged) -> io::Result<()> {
     }
     writeln!(screen.out)?;
     certificate(screen, plan, judged.certificate())
+}
+
+/// How long a plan takes, and how it was made.
+pub(crate) fn heading(screen: &mut Screen<'_>, plan: &Plan) -> io::Result<()> {
+    let (seconds, cycles) = (plain(plan.duration()), counted(plan.cycle_count(), "cycle"));
+    let heading = format!("{seconds} s, {cycles} of {}", number::cycle(plan.cycle_time()));
+    let version = clean(&plan.maker().planner_version);
+    let heading = screen.paint.heading(&heading);
+    let text = format!("{heading}; {} by planner {version}", family(plan.method()));
+    writeln!(screen.out, "{}", wrapped(&text, ""))
 }
 
 /// What the judge found.
@@ -112,23 +120,27 @@ fn axis_plan(screen: &mut Screen<'_>, judged: &Judged, axis: &AxisPlan) -> io::R
     writeln!(screen.out)?;
     screen.out.write_all(fitted(|digits| asked(axis, digits)).render(paint).as_bytes())?;
     for adjustment in &axis.adjustments {
-        let quantity = adjustment.quantity;
-        let text = format!(
-            "{} not as asked: {} instead of {}\u{a0}{}, {} ({}).",
-            quantity,
-            plain(adjustment.planned),
-            plain(adjustment.asked),
-            unit(axis.kind, quantity),
-            why(adjustment.reason),
-            adjustment.reason.name(),
-        );
-        writeln!(screen.out, "{}", wrapped(&text, "  "))?;
+        adjusted(screen, axis.kind, adjustment)?;
     }
     if let Some(text) = held_back(judged, axis) {
         writeln!(screen.out)?;
         writeln!(screen.out, "{}", wrapped(&text, "  "))?;
     }
     Ok(())
+}
+
+/// What is not as asked, and why, in a sentence.
+pub(crate) fn adjusted(screen: &mut Screen<'_>, kind: AxisKind, adjustment: &Adjustment) -> io::Result<()> {
+    let Adjustment { quantity, asked, planned, reason } = *adjustment;
+    let text = format!(
+        "{quantity} not as asked: {} instead of {}\u{a0}{}, {} ({}).",
+        plain(planned),
+        plain(asked),
+        unit(kind, quantity),
+        why(reason),
+        reason.name(),
+    );
+    writeln!(screen.out, "{}", wrapped(&text, "  "))
 }
 
 /// What an axis does that has no way to go and is in motion.
@@ -258,7 +270,7 @@ fn kind_of(plan: &Plan, axis: &str) -> AxisKind {
     plan.axes().iter().find(|plan| plan.axis == axis).map_or(AxisKind::Prismatic, |plan| plan.kind)
 }
 
-fn kind(kind: AxisKind) -> &'static str {
+pub(crate) fn kind(kind: AxisKind) -> &'static str {
     match kind {
         AxisKind::Prismatic => "prismatic",
         AxisKind::Revolute => "revolute",
@@ -267,6 +279,14 @@ fn kind(kind: AxisKind) -> &'static str {
 }
 
 fn family(method: Method) -> String {
+    if let Some(PvtMethod { interpolation, policy }) = method.pvt {
+        return match interpolation {
+            // The others have no use for a policy.
+            PvtInterpolation::SShaped => format!("S-shaped through points, {}", policy.name()),
+            PvtInterpolation::Cubic => "cubics through points".to_owned(),
+            PvtInterpolation::Quintic => "quintics through points".to_owned(),
+        };
+    }
     let family = match method.family {
         Family::SCurve => "S-curve".to_owned(),
         Family::Trapezoidal => "trapezoid".to_owned(),
@@ -332,6 +352,7 @@ fn case_words(case: SixCase) -> &'static str {
     }
 }
 
+/// A clause that gives the reason.
 fn why(reason: AdjustmentReason) -> &'static str {
     match reason {
         AdjustmentReason::PathTooShortStartVelocity => {
@@ -358,7 +379,7 @@ pub(crate) fn short(name: &str) -> String {
 }
 
 /// The table with as many digits as fit.
-fn fitted(table: impl Fn(i32) -> Table) -> Table {
+pub(crate) fn fitted(table: impl Fn(i32) -> Table) -> Table {
     let mut digits = *DIGITS.end();
     loop {
         let fitting = table(digits);

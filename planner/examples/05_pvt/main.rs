@@ -2,7 +2,8 @@
 //! (doi:10.1177/17298814211072418), its figures 9 to 14 and its table of times.
 //!
 //! ```text
-//! cargo run --release -p portamento-planner --example 05_pvt -- FOLDER        # a table, and six figures in FOLDER
+//! cargo run --release -p portamento-planner --example 05_pvt                                      # the table
+//! cargo run --release -p portamento-planner --example 05_pvt -- planner/examples/05_pvt           # README.md and its figures
 //! cargo run -p portamento-planner --example 05_pvt -- --record                # the recording, as it was made
 //! ```
 //! The paper's recording and limits are not printed there; `recording.csv` is made from a seed by `recording.rs`.
@@ -13,6 +14,7 @@ mod recording;
 mod svg;
 
 use std::error::Error;
+use std::fmt::Write as _;
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
@@ -40,8 +42,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Ok(());
     }
     let rows = recording::read(RECORDING)?;
-    println!("{} commands for each of {} axes, one every {} ms\n", rows.len(), AXES.len(), BEAT * 1e3);
-    println!("method    axis  velocity       acceleration   jerk           reversals   adjusted");
+    let mut table = format!(
+        "{} commands for each of {} axes, one every {} ms\n\n\
+         method    axis  velocity       acceleration   jerk           reversals   adjusted\n",
+        rows.len(),
+        AXES.len(),
+        BEAT * 1e3
+    );
+    let mut figures = String::new();
     for (interpolation, name, number) in METHODS {
         let planned = plan_pvt(&request(&rows, interpolation)?)?;
         let adjusted = |axis| {
@@ -49,18 +57,58 @@ fn main() -> Result<(), Box<dyn Error>> {
             points.filter(|report| !report.adjustments.is_empty()).count()
         };
         let adjusted = [adjusted(0), adjusted(1)];
-        print_extremes(name, &planned, adjusted);
+        write_extremes(&mut table, name, &planned, adjusted)?;
         if let Some(folder) = &argument {
             std::fs::create_dir_all(folder)?;
             for (index, axis) in planned.plan().axes().iter().enumerate() {
                 let figure = draw(axis, name, &rows, index, adjusted[index])?;
                 let file = format!("figure_{:02}_{}_{name}.svg", number + index, axis.axis);
+                writeln!(figures, "![Axis {}, {name}]({file})", axis.axis)?;
                 std::fs::write(Path::new(folder).join(file), figure)?;
             }
         }
     }
-    print_times(&rows)
+    write_times(&mut table, &rows)?;
+    print!("{table}");
+    if let Some(folder) = &argument {
+        let text = README.replace("TABLE\n", &table).replace("FIGURES\n", &figures);
+        std::fs::write(Path::new(folder).join("README.md"), text)?;
+    }
+    Ok(())
 }
+
+/// What the folder shows to whoever opens it.
+const README: &str = "\
+# Two axes after a target
+
+A camera sees a target twenty times a second and says where it is and how fast: positions and velocities are noisy, a few
+detections are wrong, and at the end the target runs away faster than the axes can follow, and stops dead. Each command is to
+be met after 50 ms. The experiment is that of doi:10.1177/17298814211072418, its figures 9 to 14 and its table of times; the
+recording and the limits are not printed there, so `recording.csv` is made from a seed by `recording.rs`.
+
+Extremes as parts of the limits, times of the machine that wrote this:
+
+```text
+TABLE
+```
+
+S-shaped motion keeps every limit and says what it does not meet; cubics and quintics meet everything and keep no limit.
+
+FIGURES
+
+Written by
+
+```sh
+cargo run --release -p portamento-planner --example 05_pvt -- planner/examples/05_pvt
+```
+
+and to look at every point, with its region and what could be reached:
+
+```sh
+cargo run --release -- pvt --points planner/examples/05_pvt/recording.csv --finish-unreached \\
+    --max-velocity 0.5 --max-acceleration 4 --max-jerk 160 --plot points.svg
+```
+";
 
 fn limits() -> Result<Limits, planner::InvalidFields> {
     Limits::symmetric(FASTEST, 4.0, 160.0)
@@ -87,7 +135,12 @@ fn request(rows: &[Row], interpolation: PvtInterpolation) -> Result<PvtRequest, 
 }
 
 /// What the judge finds: each extreme, as a part of its limit.
-fn print_extremes(name: &str, planned: &PvtPlan, adjusted: [usize; 2]) {
+fn write_extremes(
+    table: &mut String,
+    name: &str,
+    planned: &PvtPlan,
+    adjusted: [usize; 2],
+) -> std::fmt::Result {
     let judged = Judged::new(planned.plan().clone());
     for (index, axis) in planned.plan().axes().iter().enumerate() {
         let cell = |quantity| {
@@ -103,7 +156,8 @@ fn print_extremes(name: &str, planned: &PvtPlan, adjusted: [usize; 2]) {
                 }
             })
         };
-        println!(
+        writeln!(
+            table,
             "{name:<10}{:<6}{:<15}{:<15}{:<15}{:<12}{}",
             axis.axis,
             cell(Quantity::Velocity),
@@ -111,12 +165,13 @@ fn print_extremes(name: &str, planned: &PvtPlan, adjusted: [usize; 2]) {
             cell(Quantity::Jerk),
             axis.profile.reversals().count(),
             adjusted[index]
-        );
+        )?;
     }
+    Ok(())
 }
 
 /// One command at a time, as they come.
-fn print_times(rows: &[Row]) -> Result<(), Box<dyn Error>> {
+fn write_times(table: &mut String, rows: &[Row]) -> Result<(), Box<dyn Error>> {
     const ROUNDS: usize = 2000;
     let mut took = Vec::with_capacity(ROUNDS * rows.len());
     for round in 0..ROUNDS {
@@ -135,11 +190,12 @@ fn print_times(rows: &[Row]) -> Result<(), Box<dyn Error>> {
     let mean = took.iter().sum::<u128>() as f64 / took.len() as f64;
     let (median, tail) = (took[took.len() / 2], took[took.len() * 999 / 1000]);
     let worst = took[took.len() - 1];
-    println!(
+    writeln!(
+        table,
         "\none S-shaped command, clock included: mean {mean:.0} ns, median {median} ns, p99.9 {tail} ns, worst {worst} ns of {}",
         took.len()
-    );
-    println!("the paper: mean 1562 ns, worst 10523 ns");
+    )?;
+    writeln!(table, "the paper: mean 1562 ns, worst 10523 ns")?;
     Ok(())
 }
 

@@ -21,7 +21,8 @@ pub(crate) struct Row {
     pub(crate) velocity: [f64; 2],
 }
 
-const HEAD: &str = "time [s],x [m],velocity of x [m/s],y [m],velocity of y [m/s]";
+/// As `portamento pvt --points` reads it: [s], [m], [m/s].
+const HEAD: &str = "time,x.position,x.velocity,y.position,y.velocity";
 
 /// Reads what [`table`] writes.
 pub(crate) fn read(csv: &str) -> Result<Vec<Row>, Box<dyn Error>> {

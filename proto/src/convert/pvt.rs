@@ -111,7 +111,9 @@ fn within(name: &str, inner: InvalidFields) -> InvalidFields {
     invalid
 }
 
-fn point_to_wire(report: &PvtPointReport, name: &str) -> pb::PvtPointReport {
+/// The report on a point of the axis called `name`.
+#[must_use]
+pub fn point_to_wire(report: &PvtPointReport, name: &str) -> pb::PvtPointReport {
     let PvtPointReport { axis: _, point, region, position, velocity, time, reachable, adjustments } = report;
     pb::PvtPointReport {
         axis: name.into(),

@@ -69,7 +69,8 @@ impl ValueAxis {
 
 impl Panel {
     pub(super) fn extent(&self) -> (f64, f64) {
-        let values = self.series.iter().flat_map(|series| &series.points).map(|point| point.1);
+        let curves = self.series.iter().flat_map(|series| &series.points);
+        let values = curves.chain(self.marks.iter().flat_map(|marks| &marks.points)).map(|point| point.1);
         let (low, high) = values
             .filter(|value| value.is_finite())
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));

@@ -10,6 +10,24 @@ pub(crate) struct Figure {
     pub(crate) bands_name: String,
     /// Spans of time that are told apart, as the phases of a motion.
     pub(crate) bands: Vec<Band>,
+    /// Rows of coloured spans above the panels, as the regions of points.
+    pub(crate) strips: Vec<Strip>,
+}
+
+/// What kind of thing goes on when, in colours.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Strip {
+    pub(crate) name: String,
+    pub(crate) spans: Vec<Span>,
+}
+
+/// A span of time [s] in a strip, with one letter or two.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Span {
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    pub(crate) label: &'static str,
+    pub(crate) ink: Ink,
 }
 
 /// One quantity over time.
@@ -20,6 +38,27 @@ pub(crate) struct Panel {
     pub(crate) baseline: Baseline,
     pub(crate) series: Vec<Series>,
     pub(crate) limits: Vec<Limit>,
+    /// Single points, over the curves.
+    pub(crate) marks: Vec<Marks>,
+}
+
+/// Points of one kind.
+#[derive(Clone, Debug)]
+pub(crate) struct Marks {
+    pub(crate) name: String,
+    pub(crate) ink: Ink,
+    pub(crate) mark: Mark,
+    /// Time [s] and value.
+    pub(crate) points: Vec<(f64, f64)>,
+}
+
+/// How a point is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mark {
+    /// Small and full.
+    Dot,
+    /// Around a dot, for what is remarkable.
+    Ring,
 }
 
 /// What the values of a panel are seen against.

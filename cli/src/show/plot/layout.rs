@@ -8,6 +8,9 @@ pub(super) const PANEL_GAP: f64 = 20.0;
 pub(super) const TOP: f64 = 68.0;
 pub(super) const LEGEND_LINE: f64 = 22.0;
 pub(super) const BANDS_LINE: f64 = 20.0;
+/// One strip, and what is free below the last.
+pub(super) const STRIP: f64 = 16.0;
+pub(super) const STRIPS_GAP: f64 = 8.0;
 pub(super) const BOTTOM: f64 = 54.0;
 /// The backend counts whole numbers: this many of them make a pixel, so that curves are smooth.
 pub(super) const FINE: f64 = 20.0;

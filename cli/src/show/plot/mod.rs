@@ -1,17 +1,19 @@
 //! Figures: panels over one time axis, drawn as SVG.
 //!
-//! [`figure::Figure`] says what is to be seen, `of_plan`, `of_tracking` and `of_comparison` make one, [`svg`] draws it.
+//! [`figure::Figure`] says what is to be seen, `of_plan`, `of_points`, `of_tracking` and `of_comparison` make one, [`svg`] draws it.
 
 mod axes;
 mod comparison;
 mod figure;
 mod layout;
 mod planned;
+mod points;
 mod svg;
 mod tracked;
 
 pub(crate) use comparison::of_comparison;
 pub(crate) use planned::of_plan;
+pub(crate) use points::of_points;
 pub(crate) use svg::svg;
 pub(crate) use tracked::{Tracked, of_tracking};
 

@@ -1,4 +1,4 @@
-use planner::{AxisKind, AxisPlan, Plan, Quantity};
+use planner::{AxisKind, AxisPlan, Law, Plan, Quantity};
 
 use super::figure::{Band, Baseline, Figure, Ink, Limit, Panel, Series, Stroke};
 use super::layout::{LEFT, RIGHT};
@@ -32,6 +32,7 @@ pub(crate) fn of_plan(plan: &Plan) -> Figure {
                 baseline: baseline(quantity),
                 series: series.collect(),
                 limits: distinct(limits),
+                marks: Vec::new(),
             });
         }
     }
@@ -63,6 +64,7 @@ pub(crate) fn of_plan(plan: &Plan) -> Figure {
         panels,
         bands_name,
         bands: bands.collect(),
+        strips: Vec::new(),
     }
 }
 
@@ -78,7 +80,7 @@ pub(super) fn baseline(quantity: Quantity) -> Baseline {
     if quantity == Quantity::Position { Baseline::Themselves } else { Baseline::Zero }
 }
 
-/// One derivative over time, as far as `until` [s]. Pieces are cubic: enough points to look smooth, and both ends of each.
+/// One derivative over time, as far as `until` [s]: enough points to look smooth, and both ends of each piece.
 pub(super) fn curve(axis: &AxisPlan, until: f64, word: usize) -> Vec<(f64, f64)> {
     /// Over the whole width.
     const POINTS: f64 = 900.0;
@@ -92,7 +94,8 @@ pub(super) fn curve(axis: &AxisPlan, until: f64, word: usize) -> Vec<(f64, f64)>
     let few = axis.profile.segments().len() <= 200;
     for (begin, segment) in axis.profile.timed_segments() {
         let share = (segment.duration / until * POINTS).ceil() as usize;
-        let count = match (is_jerk, few) {
+        let steps = is_jerk && matches!(segment.law, Law::ConstantJerk(_));
+        let count = match (steps, few) {
             (true, _) => 1,
             (false, true) => share.max(LEAST),
             (false, false) => share.max(1),

@@ -2,15 +2,17 @@
 
 use plotters::coord::Shift;
 use plotters::prelude::{
-    Color as _, DrawingArea, FontDesc, FontFamily, FontTransform, IntoDrawingArea as _, PathElement,
+    Circle, Color as _, DrawingArea, FontDesc, FontFamily, FontTransform, IntoDrawingArea as _, PathElement,
     RGBColor, Rectangle, SVGBackend, ShapeStyle, TextStyle,
 };
 use plotters::style::FontStyle;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axes::{Scale, Ticks, TimeAxis, ValueAxis, signed};
-use super::figure::{Figure, Ink, Limit, Panel, Series, Stroke};
-use super::layout::{BANDS_LINE, BOTTOM, FINE, LEFT, LEGEND_LINE, PANEL, PANEL_GAP, RIGHT, TOP, WIDTH};
+use super::figure::{Figure, Ink, Limit, Mark, Marks, Panel, Series, Strip, Stroke};
+use super::layout::{
+    BANDS_LINE, BOTTOM, FINE, LEFT, LEGEND_LINE, PANEL, PANEL_GAP, RIGHT, STRIP, STRIPS_GAP, TOP, WIDTH,
+};
 use crate::failure::Failure;
 
 impl Ink {
@@ -43,11 +45,18 @@ const BAND_EDGE: RGBColor = RGBColor(209, 213, 219);
 
 /// The most curves that a legend names.
 const MOST_NAMED: usize = 12;
+/// The most strips: what is below them is to be seen as well.
+const MOST_STRIPS: usize = 12;
+/// How much of its colour the span of a strip has [1]: its label is to be read.
+const TINT: f64 = 0.45;
 
 /// The figure as an SVG document.
 pub(crate) fn svg(figure: &Figure) -> Result<String, Failure> {
     let legend = Legend::of(figure);
-    let panels_top = TOP + legend.height() + if figure.bands.is_empty() { 0.0 } else { BANDS_LINE };
+    let strips_top = TOP + legend.height();
+    let strips = figure.strips.len().min(MOST_STRIPS) as f64;
+    let strips = if strips > 0.0 { strips * STRIP + STRIPS_GAP } else { 0.0 };
+    let panels_top = strips_top + strips + if figure.bands.is_empty() { 0.0 } else { BANDS_LINE };
     let panels = figure.panels.len() as f64;
     let height = panels_top + panels * (PANEL + PANEL_GAP) - PANEL_GAP + BOTTOM;
     let mut text = String::new();
@@ -55,7 +64,9 @@ pub(crate) fn svg(figure: &Figure) -> Result<String, Failure> {
     let drawn = {
         let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
         let canvas = Canvas { area: &area, time: TimeAxis::of(figure) };
-        canvas.figure(figure, &legend, panels_top).and_then(|()| area.present().map_err(internal))
+        canvas
+            .figure(figure, &legend, [strips_top, panels_top])
+            .and_then(|()| area.present().map_err(internal))
     };
     drawn?;
     let fine = format!("<svg width=\"{}\" height=\"{}\"", size.0, size.1);
@@ -77,8 +88,24 @@ fn internal(error: impl std::fmt::Display) -> Failure {
 
 /// Which curves there are, each once, in rows.
 struct Legend<'a> {
-    rows: Vec<Vec<(f64, &'a Series)>>,
+    rows: Vec<Vec<(f64, Entry<'a>)>>,
     more: usize,
+}
+
+/// What a legend names.
+#[derive(Clone, Copy)]
+enum Entry<'a> {
+    Curve(&'a Series),
+    Marks(&'a Marks),
+}
+
+impl<'a> Entry<'a> {
+    fn name(self) -> &'a str {
+        match self {
+            Self::Curve(series) => &series.name,
+            Self::Marks(marks) => &marks.name,
+        }
+    }
 }
 
 /// Roughly, of a sans-serif at 13 px [px].
@@ -87,10 +114,13 @@ const SAMPLE: f64 = 26.0;
 
 impl<'a> Legend<'a> {
     fn of(figure: &'a Figure) -> Self {
-        let mut entries: Vec<&Series> = Vec::new();
-        for series in figure.panels.iter().flat_map(|panel| &panel.series) {
-            if !entries.iter().any(|entry| entry.name == series.name) {
-                entries.push(series);
+        let curves = figure.panels.iter().flat_map(|panel| &panel.series).map(Entry::Curve);
+        let marks = figure.panels.iter().flat_map(|panel| &panel.marks);
+        let marks = marks.filter(|marks| !marks.points.is_empty()).map(Entry::Marks);
+        let mut entries: Vec<Entry<'_>> = Vec::new();
+        for entry in curves.chain(marks) {
+            if !entries.iter().any(|other| other.name() == entry.name()) {
+                entries.push(entry);
             }
         }
         if entries.len() < 2 {
@@ -100,7 +130,7 @@ impl<'a> Legend<'a> {
         let mut rows = vec![Vec::new()];
         let mut x = LEFT;
         for entry in entries.into_iter().take(MOST_NAMED) {
-            let width = SAMPLE + 8.0 + LETTER * entry.name.chars().count() as f64 + 22.0;
+            let width = SAMPLE + 8.0 + LETTER * entry.name().chars().count() as f64 + 22.0;
             if x + width > RIGHT && x > LEFT {
                 rows.push(Vec::new());
                 x = LEFT;
@@ -125,11 +155,13 @@ struct Canvas<'a, 'b> {
 }
 
 impl Canvas<'_, '_> {
-    fn figure(&self, figure: &Figure, legend: &Legend<'_>, panels_top: f64) -> Result<(), Failure> {
+    fn figure(&self, figure: &Figure, legend: &Legend<'_>, tops: [f64; 2]) -> Result<(), Failure> {
+        let [strips_top, panels_top] = tops;
         self.area.fill(&RGBColor(255, 255, 255)).map_err(internal)?;
         self.text(&figure.title, (LEFT, 20.0), &bold(label(17.0, TEXT, HPos::Left)))?;
         self.text(&figure.subtitle, (LEFT, 44.0), &label(13.0, QUIET, HPos::Left))?;
         self.legend(legend)?;
+        self.strips(figure, strips_top)?;
         let bottom = panels_top + figure.panels.len() as f64 * (PANEL + PANEL_GAP) - PANEL_GAP;
         self.bands(figure, panels_top)?;
         let ticks = Ticks::of(0.0, self.time.until * self.time.per_second, 9);
@@ -153,15 +185,40 @@ impl Canvas<'_, '_> {
     fn legend(&self, legend: &Legend<'_>) -> Result<(), Failure> {
         let mut y = TOP + 4.0;
         for row in &legend.rows {
-            for (x, series) in row {
-                self.stroke(&[(*x, y), (x + SAMPLE, y)], series)?;
-                self.text(&series.name, (x + SAMPLE + 8.0, y), &label(13.0, TEXT, HPos::Left))?;
+            for (x, entry) in row {
+                match entry {
+                    Entry::Curve(series) => self.stroke(&[(*x, y), (x + SAMPLE, y)], series)?,
+                    // Of whatever colour.
+                    Entry::Marks(marks) => self.mark((x + 0.5 * SAMPLE, y), marks.mark, QUIET)?,
+                }
+                self.text(entry.name(), (x + SAMPLE + 8.0, y), &label(13.0, TEXT, HPos::Left))?;
             }
             y += LEGEND_LINE;
         }
         if legend.more > 0 {
             let text = format!("and {} more", legend.more);
             self.text(&text, (LEFT, y), &label(13.0, QUIET, HPos::Left))?;
+        }
+        Ok(())
+    }
+
+    /// Each row has its name beside it, and in each span its label, where there is room.
+    fn strips(&self, figure: &Figure, top: f64) -> Result<(), Failure> {
+        const ROOM: f64 = 2.0;
+        for (index, Strip { name, spans }) in figure.strips.iter().take(MOST_STRIPS).enumerate() {
+            let y = top + index as f64 * STRIP;
+            let middle = y + 0.5 * (STRIP - 2.0);
+            let title =
+                if figure.strips.len() > 1 { format!("region of {name}") } else { "region".to_owned() };
+            self.text(&title, (LEFT - 10.0, middle), &label(11.0, QUIET, HPos::Right))?;
+            for span in spans {
+                let (from, to) = (self.time.x(span.from), self.time.x(span.to));
+                self.filled((from, y), (to, y + STRIP - 2.0), tint(span.ink.color()))?;
+                let width = 6.0 * span.label.len() as f64 + 2.0 * ROOM;
+                if to - from >= width {
+                    self.text(span.label, (0.5 * (from + to), middle), &label(10.0, TEXT, HPos::Center))?;
+                }
+            }
         }
         Ok(())
     }
@@ -221,6 +278,11 @@ impl Canvas<'_, '_> {
                 series.points.iter().map(|(time, value)| (self.time.x(*time), axis.y(*value))).collect();
             self.stroke(&points, series)?;
         }
+        for marks in &panel.marks {
+            for (time, value) in &marks.points {
+                self.mark((self.time.x(*time), axis.y(*value)), marks.mark, marks.ink.color())?;
+            }
+        }
         let unseen = panel.unseen();
         if !unseen.is_empty() {
             let values: Vec<_> = unseen.iter().take(4).map(|value| signed(*value)).collect();
@@ -250,6 +312,16 @@ impl Canvas<'_, '_> {
         self.text(&text, (RIGHT - 2.0, y), &label(10.5, limit.ink.color(), HPos::Right))
     }
 
+    fn mark(&self, at: (f64, f64), mark: Mark, color: RGBColor) -> Result<(), Failure> {
+        let (radius, filled, width) = match mark {
+            Mark::Dot => (1.8, true, 0.0),
+            Mark::Ring => (4.2, false, 1.2),
+        };
+        let style = ShapeStyle { color: color.to_rgba(), filled, stroke_width: (width * FINE) as u32 };
+        let circle = Circle::new(fine(at), (radius * FINE) as i32, style);
+        self.area.draw(&circle).map_err(internal)
+    }
+
     fn stroke(&self, points: &[(f64, f64)], series: &Series) -> Result<(), Failure> {
         let (color, width) = match series.stroke {
             Stroke::Plain => (series.ink.color(), 2.0),
@@ -272,6 +344,13 @@ impl Canvas<'_, '_> {
     fn text(&self, text: &str, at: (f64, f64), style: &TextStyle<'_>) -> Result<(), Failure> {
         self.area.draw_text(text, style, fine(at)).map_err(internal)
     }
+}
+
+/// A colour that a label can be read on.
+fn tint(RGBColor(red, green, blue): RGBColor) -> RGBColor {
+    let [red, green, blue] =
+        [red, green, blue].map(|part| (255.0 - TINT * (255.0 - f64::from(part))).round() as u8);
+    RGBColor(red, green, blue)
 }
 
 /// A text style about the middle of the text's height, `size` in pixels.

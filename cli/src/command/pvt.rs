@@ -1,0 +1,76 @@
+use planner::PvtRequestSpec;
+use proto::FieldViolation;
+
+use crate::args::PvtArgs;
+use crate::command::plan::in_flags;
+use crate::command::{batch, follow};
+use crate::failure::Failure;
+use crate::service::Service;
+use crate::show::paint::Screen;
+use crate::show::{json, plot, points};
+use crate::source::{self, Line, PointTable};
+
+/// `portamento pvt`
+pub(crate) fn run(args: &PvtArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
+    if args.follow {
+        return follow::run(args, screen);
+    }
+    let service = Service::open(endpoint)?;
+    if let Some(path) = &args.batch {
+        return batch::run(path, &service, Line::pvt_request, json::pvt_response, screen);
+    }
+    let judged = match (&args.request, &args.points) {
+        (Some(path), _) => service.plan(source::pvt_request(path)?)?,
+        (None, Some(path)) => {
+            let table = PointTable::read(path)?;
+            let refused = |failure| in_table(failure, &table, screen.json);
+            service.plan(to_spec(args, &table)).map_err(refused)?
+        }
+        // Clap wants one of them.
+        (None, None) => return Err(Failure::Internal("name the points".to_owned())),
+    };
+    if let Some(path) = &args.output {
+        let text = json::plan_file(judged.judged())? + "\n";
+        std::fs::write(path, text).map_err(Failure::unwritable(path))?;
+    }
+    if let Some(path) = &args.plot {
+        let svg = plot::svg(&plot::of_points(&judged))?;
+        std::fs::write(path, svg).map_err(Failure::unwritable(path))?;
+    }
+    if screen.json {
+        writeln!(screen.out, "{}", json::pvt_response(&judged)?)?;
+        return Ok(());
+    }
+    points::plan(screen, &judged)?;
+    Ok(())
+}
+
+fn to_spec(args: &PvtArgs, table: &PointTable) -> PvtRequestSpec {
+    let method = &args.method;
+    PvtRequestSpec {
+        axes: table.axes(&args.limits.to_spec(), method.kind()),
+        cycle_time_ns: method.cycle_time,
+        interpolation: Ok(method.interpolation()),
+        policy: Ok(method.policy()),
+        finish_unreached: method.finish_unreached,
+    }
+}
+
+/// A refusal in the words of the table and the command line. Programs get the fields of the schema.
+fn in_table(failure: Failure, table: &PointTable, json: bool) -> Failure {
+    match in_flags(failure, json) {
+        Failure::Refused(mut rejected) if !json => {
+            let mut fields: Vec<FieldViolation> = Vec::with_capacity(rejected.fields.len());
+            for mut violation in rejected.fields {
+                violation.field = table.place(&violation.field).unwrap_or(violation.field);
+                // What all axes have from one flag is wrong once.
+                if !fields.contains(&violation) {
+                    fields.push(violation);
+                }
+            }
+            rejected.fields = fields;
+            Failure::Refused(rejected)
+        }
+        other => other,
+    }
+}

@@ -1,0 +1,90 @@
+//! What does a server do for ten thousand points of six axes, from the bytes of the request to those of the answer?
+//!
+//! ```text
+//! cargo bench -p portamento-proto --bench pvt
+//! ```
+
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "criterion's macros write functions without documentation; a bench may fail by panicking and print"
+)]
+
+use std::hint::black_box;
+
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use planner::{JudgedPvt, PvtRequest, PvtRequestSpec};
+use prost::Message as _;
+use proto::{pb, pvt_to_wire};
+
+const POINTS: usize = 10_000;
+const BEAT: f64 = 0.05;
+
+/// A target that swings, seen twenty times a second, now and then wrongly.
+fn axis(index: usize) -> pb::PvtAxis {
+    let angle = |n: usize| 2.0 * n as f64 * BEAT + index as f64;
+    let all = |of: &dyn Fn(usize) -> f64| (1..=POINTS).map(of).collect();
+    pb::PvtAxis {
+        axis: format!("axis {index}"),
+        kind: pb::AxisKind::Prismatic as i32,
+        limits: Some(pb::AxisLimits {
+            max_velocity: 0.5,
+            max_acceleration: 4.0,
+            max_jerk: 160.0,
+            ..Default::default()
+        }),
+        start: Some(pb::AxisState { velocity: 0.2 * angle(0).cos(), ..Default::default() }),
+        times: all(&|n| n as f64 * BEAT),
+        positions: all(&|n| {
+            0.1 * (angle(n).sin() - angle(0).sin()) + if n.is_multiple_of(17) { 3e-3 } else { 0.0 }
+        }),
+        velocities: all(&|n| 0.2 * angle(n).cos()),
+    }
+}
+
+fn answer(bytes: &[u8]) -> Vec<u8> {
+    let wire = pb::PlanPvtRequest::decode(bytes).unwrap();
+    let request = PvtRequest::try_from(PvtRequestSpec::from(wire)).unwrap();
+    pvt_to_wire(&JudgedPvt::answer(&request).unwrap()).encode_to_vec()
+}
+
+fn largest(criterion: &mut Criterion) {
+    let wire = pb::PlanPvtRequest { axes: (0..6).map(axis).collect(), ..Default::default() };
+    let bytes = wire.encode_to_vec();
+    let request = PvtRequest::try_from(PvtRequestSpec::from(wire)).unwrap();
+    let judged = JudgedPvt::answer(&request).unwrap();
+    assert!(judged.judged().certificate().passed());
+    let response = pvt_to_wire(&judged);
+    let segments: usize =
+        judged.judged().plan().axes().iter().map(|axis| axis.profile.segments().len()).sum();
+    let adjusted = judged.points().iter().filter(|report| !report.adjustments.is_empty()).count();
+    println!(
+        "{segments} pieces, {adjusted} of {} points adjusted; request of {} bytes, answer of {}",
+        judged.points().len(),
+        bytes.len(),
+        response.encoded_len()
+    );
+    let mut group = criterion.benchmark_group("pvt/10000_points_of_6_axes");
+    group.sample_size(10);
+    group.bench_function("read", |bencher| {
+        bencher.iter_batched(
+            || bytes.clone(),
+            |bytes| {
+                let wire = pb::PlanPvtRequest::decode(bytes.as_slice()).unwrap();
+                PvtRequest::try_from(PvtRequestSpec::from(wire)).is_ok()
+            },
+            BatchSize::LargeInput,
+        );
+    });
+    group.bench_function("plan and judge", |bencher| {
+        bencher.iter(|| JudgedPvt::answer(black_box(&request)).is_ok());
+    });
+    group.bench_function("to wire", |bencher| bencher.iter(|| pvt_to_wire(black_box(&judged))));
+    group.bench_function("encode", |bencher| bencher.iter(|| black_box(&response).encode_to_vec().len()));
+    group.bench_function("all of it", |bencher| bencher.iter(|| answer(black_box(&bytes)).len()));
+    group.finish();
+}
+
+criterion_group!(benches, largest);
+criterion_main!(benches);
