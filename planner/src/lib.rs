@@ -143,7 +143,7 @@ mod verify_transfer;
 pub use certified::{Accepted, Judged, Rejection};
 pub use classify::{AsymmetricType, Classification, EightType, SixCase};
 pub use cycle::{CycleTime, LAST_CYCLE};
-pub use derivatives::Derivatives;
+pub use derivatives::{Derivatives, MAX_DEGREE};
 pub use error::{Field, InvalidField, InvalidFields, Why};
 pub use explain::{Binding, Explanation, explain};
 pub use limits::{GREATEST_MAGNITUDE, LEAST_LIMIT, Limits, LimitsSpec, MAX_ORDER};
