@@ -97,6 +97,8 @@
 //! 7. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when.
 //!    [`Judged`], [`Accepted`]: a plan with both, and one that may be executed.
 //! 8. [`generator`], [`grid`]: without a plan. The stepped form for a control loop, and moves of whole cycles.
+//! 9. [`retime`], [`TimeLaw`], [`Retiming`]: a plan on its way held, slowed or resumed, all axes together and on their
+//!    path.
 //!
 //! The derivations and the decisions are in the repository's `notes/`, the laws that hold for every problem in
 //! `tests/laws.rs`.
@@ -129,6 +131,7 @@ mod profile;
 mod pvt;
 mod quantity;
 mod request;
+mod retime;
 mod roots;
 mod segment;
 mod short_path;
@@ -160,6 +163,7 @@ pub use request::{
     AxisKind, AxisMove, AxisMoveSpec, Family, MAX_AXES, MAX_NAME_BYTES, Request, RequestSpec,
     Synchronization, wrong_name,
 };
+pub use retime::{RetimeError, Retiming, TimeLaw, greatest_factor, retime};
 pub use segment::{Law, MAX_TURNING_POINTS, Segment, Setpoint};
 pub use short_path::ShortPathPolicy;
 pub use shortest::Shortest;
