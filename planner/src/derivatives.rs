@@ -3,19 +3,42 @@ use arrayvec::ArrayVec;
 use crate::roots::{linear, quadratic, sign_change};
 use crate::{MAX_ORDER, Setpoint, State};
 
-/// The most derivatives of one law: jerk to the one of order [`MAX_ORDER`].
-const MOST: usize = MAX_ORDER - 2;
+/// The highest degree of a piece: one of order 5, a quintic, whose time is a cubic of another time. A few more would cost every
+/// piece of every plan their room.
+pub const MAX_DEGREE: usize = 15;
+
+/// The most derivatives of one law: jerk to the one of order [`MAX_DEGREE`].
+const MOST: usize = MAX_DEGREE - 2;
 
 /// 1/k: what Horner's scheme for a Taylor series multiplies by. A product instead of a quotient costs half a unit in the
 /// last place and saves most of the time.
-pub(crate) const RECIPROCAL: [f64; MAX_ORDER + 1] =
-    [0.0, 1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 5.0, 1.0 / 6.0, 1.0 / 7.0, 1.0 / 8.0];
+pub(crate) const RECIPROCAL: [f64; MAX_DEGREE + 1] = {
+    let mut reciprocal = [0.0; MAX_DEGREE + 1];
+    let mut k = 1;
+    while k <= MAX_DEGREE {
+        reciprocal[k] = 1.0 / k as f64;
+        k += 1;
+    }
+    reciprocal
+};
+
+/// k!, exactly: from the coefficient of a power series to a derivative.
+pub(crate) const FACTORIAL: [f64; MAX_DEGREE + 1] = {
+    let mut factorial = [1.0; MAX_DEGREE + 1];
+    let (mut product, mut k) = (1u64, 1);
+    while k <= MAX_DEGREE {
+        product *= k as u64;
+        factorial[k] = product as f64;
+        k += 1;
+    }
+    factorial
+};
 
 /// Jerk, snap … at the start of a piece [axis units/s³, /s⁴ …]; the last of them stays constant.
 ///
 /// ```
 /// # use planner::{Derivatives, Law, Segment, State};
-/// let snap = Derivatives::new(&[0.0, 24.0]).expect("one to six of them");
+/// let snap = Derivatives::new(&[0.0, 24.0]).expect("at least one of them");
 /// let piece = Segment { duration: 1.0, start: State::at_rest(1.0), law: Law::Polynomial(snap) };
 /// assert_eq!(piece.end(), State { position: 2.0, velocity: 4.0, acceleration: 12.0 });
 /// ```
@@ -27,7 +50,7 @@ pub struct Derivatives {
 }
 
 impl Derivatives {
-    /// One to six derivatives, jerk first; `None` of more or fewer.
+    /// One to 13 derivatives, jerk first, up to the order [`MAX_DEGREE`]; `None` of more or fewer.
     #[must_use]
     pub fn new(given: &[f64]) -> Option<Self> {
         if given.is_empty() || given.len() > MOST {
@@ -40,9 +63,11 @@ impl Derivatives {
 
     /// Jerk and what is above it, of which everything above `order` is zero.
     #[inline]
-    pub(crate) fn up_to(order: usize, jerk: f64, higher: [f64; MOST - 1]) -> Self {
-        let [snap, crackle, pop, lock, drop] = higher;
-        Self { values: [jerk, snap, crackle, pop, lock, drop], count: order as u8 - 2 }
+    pub(crate) fn up_to(order: usize, jerk: f64, higher: [f64; MAX_ORDER - 3]) -> Self {
+        let mut values = [0.0; MOST];
+        values[0] = jerk;
+        values[1..=higher.len()].copy_from_slice(&higher);
+        Self { values, count: order as u8 - 2 }
     }
 
     /// The derivatives, jerk first.
@@ -69,6 +94,10 @@ impl Derivatives {
             value / divisor
         };
         Self { values: self.values.map(slowed), ..self }
+    }
+
+    pub(crate) fn with_positive_zeros(self) -> Self {
+        Self { values: self.values.map(|value| value + 0.0), ..self }
     }
 
     /// Horner's scheme for all four words at once, highest derivative first, in this order and without fused multiply-add:
@@ -113,8 +142,8 @@ impl Derivatives {
         order: usize,
         duration: f64,
         of_next: &[f64],
-    ) -> ArrayVec<f64, MAX_ORDER> {
-        let mut values = [0.0; MAX_ORDER + 1];
+    ) -> ArrayVec<f64, MAX_DEGREE> {
+        let mut values = [0.0; MAX_DEGREE + 1];
         values[..3].copy_from_slice(&[start.position, start.velocity, start.acceleration]);
         values[3..].copy_from_slice(&self.values);
         let values = &values[order..=self.order()];

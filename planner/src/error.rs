@@ -398,6 +398,37 @@ pub enum Why {
         /// The first longer time in which the point can be met \[s\]; none where no time helps.
         needed: Option<f64>,
     },
+    /// A rate of path time that no limit allows.
+    #[error(
+        "is {given}: a factor is from 0 (rest) to {greatest}, which the limits allow on the rest of the path"
+    )]
+    FactorOutOfRange {
+        /// The value.
+        given: f64,
+        /// The greatest that works.
+        greatest: f64,
+    },
+    /// A law that cannot be re-timed.
+    #[error(
+        "is not a polynomial of order {max} or less, so its time cannot be stretched: plan the motion anew",
+        max = crate::retime::GREATEST_ORDER
+    )]
+    NotRetimed,
+    /// A plan whose end is not rest, where rest is needed.
+    #[error("moves on at {velocity} after the end of the plan: put a closing stop after it")]
+    EndsAtSpeed {
+        /// Its velocity [axis units/s].
+        velocity: f64,
+    },
+    /// No piece of a time law.
+    #[error("is empty: give the pieces of the time law, or that of the plan itself")]
+    NoTimeLaw,
+    /// Path time that would go back.
+    #[error("is {given}: a duration, path time and its rate are 0 or above where a piece begins")]
+    BackInTime {
+        /// The value.
+        given: f64,
+    },
 }
 
 /// The way out that lies in time.

@@ -97,6 +97,8 @@
 //! 7. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when.
 //!    [`Judged`], [`Accepted`]: a plan with both, and one that may be executed.
 //! 8. [`generator`], [`grid`]: without a plan. The stepped form for a control loop, and moves of whole cycles.
+//! 9. [`retime`], [`TimeLaw`], [`Retiming`]: a plan on its way held, slowed or resumed, all axes together and on their
+//!    path.
 //!
 //! The derivations and the decisions are in the repository's `notes/`, the laws that hold for every problem in
 //! `tests/laws.rs`.
@@ -129,6 +131,7 @@ mod profile;
 mod pvt;
 mod quantity;
 mod request;
+mod retime;
 mod roots;
 mod segment;
 mod short_path;
@@ -143,7 +146,7 @@ mod verify_transfer;
 pub use certified::{Accepted, Judged, JudgedPvt, Rejection};
 pub use classify::{AsymmetricType, Classification, EightType, SixCase};
 pub use cycle::{CycleTime, LAST_CYCLE};
-pub use derivatives::Derivatives;
+pub use derivatives::{Derivatives, MAX_DEGREE};
 pub use error::{Field, InvalidField, InvalidFields, Why};
 pub use explain::{Binding, Explanation, explain};
 pub use limits::{GREATEST_MAGNITUDE, LEAST_LIMIT, Limits, LimitsSpec, MAX_ORDER};
@@ -160,6 +163,7 @@ pub use request::{
     AxisKind, AxisMove, AxisMoveSpec, Family, MAX_AXES, MAX_NAME_BYTES, Request, RequestSpec,
     Synchronization, wrong_name,
 };
+pub use retime::{RetimeError, Retiming, TimeLaw, greatest_factor, retime};
 pub use segment::{Law, MAX_TURNING_POINTS, Segment, Setpoint};
 pub use short_path::ShortPathPolicy;
 pub use shortest::Shortest;

@@ -116,6 +116,25 @@ impl Profile {
             })
     }
 
+    /// Which piece time `t` lies in, and when in that piece \[s\]; the one after the last from `duration` on.
+    pub(crate) fn place_of(&self, t: f64) -> (usize, f64) {
+        // Also for NaN: at the end.
+        let inside = t < self.duration && !self.begins.is_empty();
+        if !inside {
+            return (self.segments.len(), 0.0);
+        }
+        let index = self.begins.partition_point(|&begin| begin <= t).saturating_sub(1);
+        (index, t - self.begins[index])
+    }
+
+    /// The ends of the piece that time `t` lies in \[s\]; none where it lies in no piece.
+    pub(crate) fn piece_around(&self, t: f64) -> Option<(f64, f64)> {
+        let next = self.begins.partition_point(|&begin| begin <= t);
+        let (begin, end) = (*self.begins.get(next.checked_sub(1)?)?, self.begins.get(next));
+        let end = end.copied().unwrap_or(self.duration);
+        (end > t).then_some((begin, end))
+    }
+
     /// The same motion with `more` after it.
     #[must_use]
     pub fn followed_by(&self, more: &Profile) -> Self {

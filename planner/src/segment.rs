@@ -1,6 +1,6 @@
 use arrayvec::ArrayVec;
 
-use crate::derivatives::Derivatives;
+use crate::derivatives::{Derivatives, MAX_DEGREE};
 use crate::roots::{linear, quadratic, sign_change};
 use crate::{MAX_ORDER, State, cosine};
 
@@ -44,9 +44,9 @@ pub struct Setpoint {
     pub jerk: f64,
 }
 
-/// The most instants that [`Segment::turning_points`] gives: both ends, and 7 + 6 + … + 1 zeros of the derivatives of a
-/// polynomial of order [`MAX_ORDER`].
-pub const MAX_TURNING_POINTS: usize = 2 + MAX_ORDER * (MAX_ORDER - 1) / 2;
+/// The most instants that [`Segment::turning_points`] gives: both ends, and 14 + 13 + … + 1 zeros of the derivatives of a
+/// polynomial of degree [`MAX_DEGREE`].
+pub const MAX_TURNING_POINTS: usize = 2 + MAX_DEGREE * (MAX_DEGREE - 1) / 2;
 
 impl Setpoint {
     /// At rest in `state`, or drifting on at its velocity: no jerk.
@@ -144,7 +144,7 @@ impl Segment {
                 times.extend(quadratic(0.5 * jerk, acceleration, velocity).into_iter().filter(inside));
             }
             Law::Polynomial(derivatives) => {
-                let mut zeros = ArrayVec::<f64, MAX_ORDER>::new();
+                let mut zeros = ArrayVec::<f64, MAX_DEGREE>::new();
                 for order in (1..derivatives.order()).rev() {
                     zeros = derivatives.zeros(&self.start, order, self.duration, &zeros);
                     times.extend(zeros.iter().copied());

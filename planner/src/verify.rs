@@ -19,7 +19,7 @@ pub const JOIN_TOLERANCE: f64 = 1e-10;
 const POSITION_ULPS: f64 = 8.0;
 /// Units in the last place of the fastest: a velocity this small is a rounded zero and goes in no direction, so that an
 /// axis that must not turn back may stop.
-const VELOCITY_ULPS: f64 = 8.0;
+pub(crate) const VELOCITY_ULPS: f64 = 8.0;
 
 /// What the judge found, for all axes.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,0 +1,186 @@
+//! What a ramp of the rate asks of the axes, at a few instants: cheap enough to ask for every candidate. The judge has the last
+//! word.
+
+use super::extremes::Extremes;
+use super::span::Ramp;
+use super::walk::{Stretch, Walk};
+use crate::float::{largest, least, sqrt};
+use crate::{AxisPlan, Law, Profile, Quantity, Setpoint, State};
+
+/// How near a ramp is looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Care {
+    /// Instants per stretch, beside its start: both ends see every jump of the jerk.
+    pub(super) looks: u32,
+    /// What the ramp must leave of what the path leaves for it of a limit \[1\].
+    pub(super) reserve: f64,
+}
+
+/// Of a limit \[1\]: a path that is on its limit but for a rounding is on it. A tenth of what the judge allows.
+const SLACK: f64 = 0.1 * crate::LIMIT_TOLERANCE;
+
+/// Of a piece of higher order \[1\]: how far to go on where nothing is left of a limit.
+const PART: f64 = 0.125;
+
+/// Many times too much: there is hardly anything left of the limit.
+const TOO_MUCH: f64 = 1e6;
+
+/// One axis's path and what it may do there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AxisPath<'a> {
+    pub(super) path: &'a Profile,
+    /// Acceleration, deceleration and jerk [axis units/s², /s², /s³]: the limits, or where the plan does not promise to keep them
+    /// and does not, what it takes.
+    acceleration: f64,
+    deceleration: f64,
+    jerk: f64,
+}
+
+impl<'a> AxisPath<'a> {
+    /// `promised`: which of acceleration and jerk the plan keeps within limits.
+    pub(super) fn new(axis: &'a AxisPlan, promised: impl Fn(Quantity) -> bool, from: f64) -> Self {
+        let limits = &axis.limits;
+        let (keeps_acceleration, keeps_jerk) = (promised(Quantity::Acceleration), promised(Quantity::Jerk));
+        let taken = if keeps_acceleration && keeps_jerk {
+            Extremes::default()
+        } else {
+            Extremes::of(&axis.profile, from)
+        };
+        let wide = |limit: f64, kept: bool, taken: f64| if kept { limit } else { limit.max(taken) };
+        Self {
+            path: &axis.profile,
+            acceleration: wide(limits.acceleration(), keeps_acceleration, taken.acceleration),
+            deceleration: wide(limits.deceleration(), keeps_acceleration, taken.deceleration),
+            jerk: wide(limits.jerk(), keeps_jerk, taken.jerk),
+        }
+    }
+
+    /// What the axis has left for a slope and a third derivative in `direction` at a place and rate: the bounds that just use it
+    /// up, infinite where the path stands still. Where nothing is left, how far it is on the path to where that may change
+    /// \[s of path time\].
+    pub(super) fn beginning(&self, now: State, direction: f64) -> Result<(f64, f64), f64> {
+        const FREE: (f64, f64) = (f64::INFINITY, f64::INFINITY);
+        let (piece, from) = self.path.place_of(now.position);
+        let Some(segment) = self.path.segments().get(piece) else { return Ok(FREE) };
+        let along = Along::of(segment.at(from), now.velocity);
+        if along.speed == 0.0 {
+            return Ok(FREE);
+        }
+        let limit = if direction > 0.0 { self.acceleration } else { self.deceleration };
+        let mut acceleration = limit - direction * along.acceleration;
+        let jerk = self.jerk - direction * along.jerk;
+        // Led away from its limit the room grows with the ramp.
+        if direction * along.jerk < 0.0 {
+            acceleration = acceleration.max(limit);
+        }
+        if acceleration <= SLACK * limit || jerk <= SLACK * self.jerk {
+            let rest = segment.duration - from;
+            // A constant jerk stays what it is to the end of the piece, and so does an acceleration without.
+            let changes = matches!(segment.law, Law::Polynomial(_));
+            return Err(if changes { least(rest, segment.duration * PART) } else { rest });
+        }
+        Ok((acceleration / along.speed, jerk / along.speed))
+    }
+
+    /// No motion within the limits rests sooner than this \[s\], on the path or off it, whatever acceleration it has already: the last
+    /// of it sheds its deceleration, D, at J, and what is faster than that sheds, D²/2J, was slowed at D.
+    pub(super) fn least_stop(&self, now: State) -> f64 {
+        let speed = self.path.at(now.position).state.velocity.abs() * now.velocity;
+        let (hardest, jerk) = (self.deceleration, self.jerk);
+        let shed = hardest / jerk;
+        if 2.0 * speed <= hardest * shed { sqrt(2.0 * speed / jerk) } else { speed / hardest + 0.5 * shed }
+    }
+
+    /// The bounds of slope and third derivative at the faster of two places, were the path straight and steady there.
+    pub(super) fn easy(&self, one: f64, other: f64) -> (f64, f64) {
+        let speed = |at: f64| self.path.at(at).state.velocity.abs();
+        let speed = speed(one).max(speed(other));
+        (self.acceleration.min(self.deceleration) / speed, self.jerk / speed)
+    }
+
+    /// What a ramp is to be stretched by to keep this axis's limits, as far as the first stretch of its path tells that breaks one;
+    /// `None` where it keeps them all.
+    pub(super) fn objection(&self, ramp: &Ramp, care: &Care) -> Option<f64> {
+        let Care { looks, reserve } = *care;
+        let first = ramp.spans.first()?;
+        for Stretch { piece, from, span } in Walk::new(self.path, &ramp.spans, first.start.position, false) {
+            let segment = &self.path.segments()[piece];
+            let step = span.duration / f64::from(looks);
+            let mut worst = 1.0;
+            for look in 0..=looks {
+                let now = span.at(f64::from(look) * step);
+                let setpoint = match &segment.law {
+                    Law::ConstantJerk(jerk) => {
+                        Setpoint { state: segment.start.after(*jerk, from + now.position), jerk: *jerk }
+                    }
+                    Law::Polynomial(_) | Law::CosineJerk { .. } => segment.at(from + now.position),
+                };
+                worst =
+                    largest(worst, self.asks(&Along::of(setpoint, now.velocity), &now, span.third, reserve));
+            }
+            if worst > 1.0 {
+                return Some(worst);
+            }
+        }
+        None
+    }
+
+    /// What a ramp is to be stretched by to keep the limits at one instant; 1 or less where it does. Its slope falls with its length,
+    /// its third derivative with the square.
+    #[inline]
+    fn asks(&self, along: &Along, now: &State, third: f64, reserve: f64) -> f64 {
+        let by_slope = along.speed * now.acceleration;
+        let limit = match along.acceleration + by_slope {
+            // Which of both an axis does that stands still cannot be told from here.
+            _ if along.speed == 0.0 => largest(self.acceleration, self.deceleration),
+            speeding if speeding > 0.0 => self.acceleration,
+            _ => self.deceleration,
+        };
+        let slowed = excess(along.acceleration, by_slope, limit, reserve);
+        let by_third = 3.0 * along.bend * now.acceleration + along.speed * third;
+        let bent = excess(along.jerk, by_third, self.jerk, reserve);
+        if slowed <= 1.0 && bent <= 1.0 {
+            return 1.0;
+        }
+        largest(slowed, if third == 0.0 { bent } else { sqrt(bent) })
+    }
+}
+
+/// How many times too much `more` is beside what is `taken` of a limit; 1 where it is not, and many times where nothing is left.
+#[inline]
+fn excess(taken: f64, more: f64, limit: f64, reserve: f64) -> f64 {
+    let all = taken + (1.0 + reserve) * more;
+    // NaN is too much.
+    if all.abs() <= (1.0 + SLACK) * limit {
+        return 1.0;
+    }
+    let left = if all > 0.0 { limit - taken } else { limit + taken };
+    let excess = (1.0 + reserve) * more.abs() / left;
+    if excess > 1.0 && excess < TOO_MUCH { excess } else { TOO_MUCH }
+}
+
+/// A setpoint of the path at a rate, the travel counted positive.
+struct Along {
+    /// |q′|
+    speed: f64,
+    /// q″·τ′, signed by the travel: what a slope is multiplied by, but for the 3, in the jerk.
+    bend: f64,
+    /// q″·τ′²
+    acceleration: f64,
+    /// q‴·τ′³
+    jerk: f64,
+}
+
+impl Along {
+    #[inline]
+    fn of(Setpoint { state, jerk }: Setpoint, rate: f64) -> Self {
+        let signed = |value: f64| if state.velocity < 0.0 { -value } else { value };
+        let bend = signed(state.acceleration) * rate;
+        Self {
+            speed: signed(state.velocity),
+            bend,
+            acceleration: bend * rate,
+            jerk: signed(jerk) * rate * rate * rate,
+        }
+    }
+}
