@@ -267,6 +267,7 @@ fn why(reason: AdjustmentReason) -> &'static str {
         AdjustmentReason::PathTooShortNearestVelocity => "the nearest that so short a path can reach",
         AdjustmentReason::FeedRateAboveLimit => "since the feed rate is above the velocity limit",
         AdjustmentReason::ClosingStop => "since a stop was put after the end",
+        AdjustmentReason::Override => "since an override scales every velocity",
     }
 }
 

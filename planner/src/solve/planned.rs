@@ -66,15 +66,18 @@ pub enum AdjustmentReason {
     FeedRateAboveLimit,
     /// The plan ends at speed, and a stop was put after it.
     ClosingStop,
+    /// An override scales the velocity at the goal as it scales every other.
+    Override,
 }
 
 impl AdjustmentReason {
     /// Every reason.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
         Self::PathTooShortStartVelocity,
         Self::PathTooShortNearestVelocity,
         Self::FeedRateAboveLimit,
         Self::ClosingStop,
+        Self::Override,
     ];
 
     /// The name on the wire.
@@ -85,6 +88,7 @@ impl AdjustmentReason {
             Self::PathTooShortNearestVelocity => "PATH_TOO_SHORT_NEAREST_VELOCITY",
             Self::FeedRateAboveLimit => "FEED_RATE_ABOVE_LIMIT",
             Self::ClosingStop => "CLOSING_STOP",
+            Self::Override => "OVERRIDE",
         }
     }
 }
