@@ -124,6 +124,7 @@ mod float;
 pub mod generator;
 pub mod grid;
 mod limits;
+pub mod motion;
 mod plan;
 mod polynomial;
 mod problem;

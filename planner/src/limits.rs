@@ -1,7 +1,7 @@
 use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidField, InvalidFields, Why};
-use crate::float::least;
+use crate::float::{largest, least};
 
 /// The highest order of a profile, and the highest derivative that can be limited: of 2⁸ − 1 pieces.
 pub const MAX_ORDER: usize = 8;
@@ -95,6 +95,37 @@ impl Limits {
     pub fn cruise_towards(&self, sign: f64) -> f64 {
         let limit = self.velocity_towards(sign);
         self.spec.feed_rate.map_or(limit, |feed_rate| least(feed_rate, limit))
+    }
+
+    /// The same with the cruise speed scaled by `factor` > 0, which the velocity limit is then, and anywhere: what a motion
+    /// under an override is planned within. Not above the velocity limit, and not so slow that it could not be computed with.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let cruise = |sign: f64| {
+            let (cruise, limit) = (self.cruise_towards(sign), self.velocity_towards(sign));
+            if cruise > 0.0 { least(limit, largest(LEAST_LIMIT, factor * cruise)) } else { 0.0 }
+        };
+        Self {
+            spec: LimitsSpec {
+                max_velocity: cruise(1.0),
+                max_velocity_reverse: Some(cruise(-1.0)),
+                max_acceleration: self.acceleration(),
+                max_deceleration: Some(self.deceleration()),
+                max_jerk: self.jerk(),
+                ..LimitsSpec::default()
+            },
+        }
+    }
+
+    /// The same with a velocity limit that lets `velocity` be reached.
+    pub(crate) fn reaching(&self, velocity: f64) -> Self {
+        let mut spec = self.spec.clone();
+        if velocity < 0.0 {
+            spec.max_velocity_reverse = Some(largest(self.velocity_reverse(), -velocity));
+        } else {
+            spec.max_velocity_reverse = Some(self.velocity_reverse());
+            spec.max_velocity = largest(self.velocity_forward(), velocity);
+        }
+        Self { spec }
     }
 
     /// Greatest acceleration while speed grows [axis units/s²].

@@ -199,6 +199,12 @@ impl Plan {
         self.axes.iter().all(|axis| axis.profile.end().is_at_rest())
     }
 
+    /// When `cycle` is due \[s\]. The last cycle of the plan is its end, though it may be due a rounding before that.
+    #[must_use]
+    pub fn time_of(&self, cycle: u64) -> f64 {
+        time_of(cycle, self.cycle_count, self.cycle_time)
+    }
+
     /// Reads setpoints cycle by cycle.
     #[must_use]
     pub fn sampler(&self) -> Sampler<'_> {
@@ -235,24 +241,38 @@ impl AxisPlan {
         if end.is_at_rest() {
             return Ok(self.clone());
         }
-        let stop = plan_stop(end, &self.limits)?;
-        let rest = stop.reached();
-        let reason = AdjustmentReason::ClosingStop;
-        let (goal, mut adjustments) = (self.goal, self.adjustments.clone());
-        adjustments.push(Adjustment {
-            quantity: Quantity::Position,
-            asked: goal.position,
-            planned: rest.position,
-            reason,
-        });
-        adjustments.push(Adjustment {
-            quantity: Quantity::Velocity,
-            asked: goal.velocity,
-            planned: rest.velocity,
-            reason,
-        });
-        Ok(Self { profile: self.profile.followed_by(&stop.to_profile()), adjustments, ..self.clone() })
+        Ok(self.stopped_by(&plan_stop(end, &self.limits)?.to_profile()))
     }
+
+    /// With a closing stop after it.
+    pub(crate) fn stopped_by(&self, stop: &Profile) -> Self {
+        let (end, rest) = (self.profile.end(), stop.end());
+        let mut adjustments = self.adjustments.clone();
+        adjustments.extend(adjusted(self.goal, end, rest, AdjustmentReason::ClosingStop));
+        Self { profile: self.profile.followed_by(stop), adjustments, ..self.clone() }
+    }
+}
+
+/// What is said where `goal` was asked for and the end that was planned `before` becomes `planned`.
+#[expect(clippy::float_cmp, reason = "what is as it was is left alone")]
+pub(crate) fn adjusted(
+    goal: State,
+    before: State,
+    planned: State,
+    reason: AdjustmentReason,
+) -> impl Iterator<Item = Adjustment> {
+    [
+        (Quantity::Position, goal.position, before.position, planned.position),
+        (Quantity::Velocity, goal.velocity, before.velocity, planned.velocity),
+        (Quantity::Acceleration, goal.acceleration, before.acceleration, planned.acceleration),
+    ]
+    .into_iter()
+    .filter(|(_, _, before, planned)| before != planned)
+    .map(move |(quantity, asked, _, planned)| Adjustment { quantity, asked, planned, reason })
+}
+
+fn time_of(cycle: u64, cycle_count: u64, cycle_time: CycleTime) -> f64 {
+    if cycle < cycle_count { cycle_time.start_of(cycle) } else { f64::INFINITY }
 }
 
 /// Reads the setpoints of a [`Plan`]. The answer depends on the cycle alone, never on what was read before.
@@ -278,9 +298,8 @@ impl Sampler<'_> {
         }
     }
 
-    /// When `cycle` is due \[s\]. The last cycle of the plan is its end, though it may be due a rounding before that.
     fn time_of(&self, cycle: u64) -> f64 {
-        if cycle < self.cycle_count { self.cycle_time.start_of(cycle) } else { f64::INFINITY }
+        time_of(cycle, self.cycle_count, self.cycle_time)
     }
 }
 

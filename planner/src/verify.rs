@@ -8,7 +8,9 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::plan::{AxisPlan, Plan};
-use crate::{Family, Law, Limits, MAX_ORDER, Profile, Quantity, Segment, Setpoint, Shortest, State};
+use crate::{
+    AdjustmentReason, Family, Law, Limits, MAX_ORDER, Profile, Quantity, Segment, Setpoint, Shortest, State,
+};
 
 /// Of a limit \[1\]: what a motion may be beyond it, since its pieces are rounded.
 pub const LIMIT_TOLERANCE: f64 = 1e-9;
@@ -186,12 +188,17 @@ impl AxisPlan {
     /// The end to hold the motion against: the goal, but for what adjustments say of it.
     #[must_use]
     pub fn goal_to_reach(&self) -> State {
+        self.goal_as_adjusted(|_| true)
+    }
+
+    /// The goal, but for what those adjustments say of it whose reason `counts`.
+    pub(crate) fn goal_as_adjusted(&self, counts: impl Fn(AdjustmentReason) -> bool) -> State {
         let mut state = self.goal;
-        for adjustment in &self.adjustments {
+        for adjustment in self.adjustments.iter().filter(|adjustment| counts(adjustment.reason)) {
             match adjustment.quantity {
                 Quantity::Position => state.position = adjustment.planned,
                 // The feed rate is a speed on the way.
-                Quantity::Velocity if adjustment.reason == crate::AdjustmentReason::FeedRateAboveLimit => {}
+                Quantity::Velocity if adjustment.reason == AdjustmentReason::FeedRateAboveLimit => {}
                 Quantity::Velocity => state.velocity = adjustment.planned,
                 Quantity::Acceleration => state.acceleration = adjustment.planned,
                 Quantity::Jerk

@@ -14,7 +14,7 @@ use common::{Case, any_case, case_from_zero, feasible_case};
 use planner::{
     AdjustmentReason, AxisKind, AxisPlan, Cursor, CycleTime, Law, Method, Move, Plan, Problem, Profile,
     Quantity, Segment, Setpoint, ShortPathPolicy, State, Why, certify, explain, plan_move, plan_stop,
-    violations,
+    plan_trapezoid, violations,
 };
 use proptest::prelude::*;
 
@@ -438,7 +438,8 @@ proptest! {
     #[test]
     fn the_way_out_is_a_way_out(case in case_from_zero()) {
         let problem = case.policy(ShortPathPolicy::Reject).problem();
-        if let Err(refusal) = plan_move(&problem) {
+        for planner in [plan_move, plan_trapezoid] {
+            let Err(refusal) = planner(&problem) else { continue };
             let Why::PathTooShort { nearest_velocity, .. } = refusal.as_slice()[0].why else {
                 return Err(TestCaseError::fail(refusal.to_string()));
             };
@@ -446,7 +447,7 @@ proptest! {
                 let goal = State { position, velocity, acceleration: 0.0 };
                 Problem::new(problem.start(), goal, problem.limits().clone(), ShortPathPolicy::Reject).unwrap()
             };
-            let slower = plan_move(&asked(problem.goal().position, nearest_velocity));
+            let slower = planner(&asked(problem.goal().position, nearest_velocity));
             prop_assert!(slower.is_ok(), "at {nearest_velocity}: {slower:?}");
         }
     }

@@ -366,6 +366,7 @@ fn why(reason: AdjustmentReason) -> &'static str {
         AdjustmentReason::PvtTimeExtended => "the first time at which it can be met",
         AdjustmentReason::PvtTimeShifted => "since another axis or a point before it took longer",
         AdjustmentReason::PvtFinishedLate => "since a move to the last point was put after the others",
+        AdjustmentReason::Override => "since an override scales every velocity",
     }
 }
 

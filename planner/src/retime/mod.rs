@@ -206,7 +206,16 @@ fn check(base: &Plan, start: &State, at: f64, factor: f64) -> Result<(), Invalid
 fn composed(base: &Plan, course: &Course) -> Result<Plan, InvalidFields> {
     let joined = base.guarantees(Quantity::Jerk);
     let axes = base.axes().iter().map(|axis| {
-        let AxisPlan { axis: name, kind, limits, profile: path, goal, adjustments, classification } = axis;
+        let AxisPlan {
+            axis: name,
+            kind,
+            limits,
+            profile: path,
+            goal,
+            adjustments,
+            classification,
+            pvt_regions,
+        } = axis;
         let (profile, arrives) = compose::compose(path, course, joined);
         // On the way to rest nothing of the goal is promised.
         let holds = |it: &&Adjustment| arrives || it.reason == AdjustmentReason::FeedRateAboveLimit;
@@ -217,6 +226,7 @@ fn composed(base: &Plan, course: &Course) -> Result<Plan, InvalidFields> {
             goal: if arrives { *goal } else { profile.end() },
             adjustments: adjustments.iter().filter(holds).cloned().collect(),
             classification: *classification,
+            pvt_regions: pvt_regions.clone(),
             profile,
         }
     });

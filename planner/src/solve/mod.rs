@@ -222,9 +222,10 @@ fn shape(lane: &Lane, policy: ShortPathPolicy) -> Solved<Shape> {
             Ok((nearest::solve(lane), Some(AdjustmentReason::PathTooShortNearestVelocity)))
         }
         ShortPathPolicy::Reverse => Err(Refusal::NeedsReversal),
-        ShortPathPolicy::Reject | ShortPathPolicy::MatchStartVelocity => {
-            Err(Refusal::TooShort { needed: lane.least_length(), nearest: nearest::acceptable_end(lane) })
-        }
+        ShortPathPolicy::Reject | ShortPathPolicy::MatchStartVelocity => Err(Refusal::TooShort {
+            needed: lane.least_length(),
+            nearest: nearest::acceptable_end(lane, nearest::solve(lane).end, Lane::is_too_short),
+        }),
     }
 }
 
@@ -244,7 +245,11 @@ fn trapezoid(lane: &Lane, policy: ShortPathPolicy) -> Solved<Trapezoid> {
             Ok((Trapezoid::solve(&level), Some(AdjustmentReason::PathTooShortStartVelocity)))
         }
         ShortPathPolicy::Reverse => Err(Refusal::NeedsReversal),
-        ShortPathPolicy::Reject => Err(Refusal::TooShort { needed, nearest: Trapezoid::nearest(lane).end }),
+        ShortPathPolicy::Reject => {
+            let too_short = |lane: &Lane| lane.is_shorter_than(Trapezoid::least_length(lane));
+            let nearest = nearest::acceptable_end(lane, Trapezoid::nearest(lane).end, too_short);
+            Err(Refusal::TooShort { needed, nearest })
+        }
     }
 }
 

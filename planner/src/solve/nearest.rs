@@ -31,11 +31,10 @@ pub(super) fn solve(lane: &Lane) -> Shape {
     Shape::one_ramp(EightType::Type8C, Ramp::default(), ramp, lane.start, largest(0.0, lane.start - change))
 }
 
-/// The nearest end speed \[axis units/s\] as a goal of its own: rounded away from the one asked for, as far as it takes to be
+/// `nearest`, the end speed \[axis units/s\] that a lane which is too short can reach, as a goal of its own: rounded away from the one asked for, as far as it takes to be
 /// accepted. Near the longest ramp the length hardly depends on the end speed, so that a rounding of the one is many of the
 /// other.
-pub(super) fn acceptable_end(lane: &Lane) -> f64 {
-    let nearest = solve(lane).end;
+pub(super) fn acceptable_end(lane: &Lane, nearest: f64, is_too_short: impl Fn(&Lane) -> bool) -> f64 {
     // Towards the start speed, but for the lower end of what cannot be reached, which is left towards rest.
     let bound = if lane.end < lane.start && nearest < lane.end { 0.0 } else { lane.start };
     let mut step = 0.0;
@@ -43,7 +42,7 @@ pub(super) fn acceptable_end(lane: &Lane) -> f64 {
     loop {
         let end = if nearest > bound { largest(bound, nearest - step) } else { least(bound, nearest + step) };
         // At the bound there is always a way.
-        if end == bound || !(Lane { end, ..*lane }).is_too_short() {
+        if end == bound || !is_too_short(&Lane { end, ..*lane }) {
             return end;
         }
         step = largest(2.0 * step, f64::EPSILON * largest(nearest, bound));

@@ -76,11 +76,13 @@ pub enum AdjustmentReason {
     PvtTimeShifted,
     /// The last point was not reached in time, and a move to it was put after the others.
     PvtFinishedLate,
+    /// An override scales the velocity at the goal as it scales every other.
+    Override,
 }
 
 impl AdjustmentReason {
     /// Every reason.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::PathTooShortStartVelocity,
         Self::PathTooShortNearestVelocity,
         Self::FeedRateAboveLimit,
@@ -90,6 +92,7 @@ impl AdjustmentReason {
         Self::PvtTimeExtended,
         Self::PvtTimeShifted,
         Self::PvtFinishedLate,
+        Self::Override,
     ];
 
     /// The name on the wire.
@@ -105,6 +108,7 @@ impl AdjustmentReason {
             Self::PvtTimeExtended => "PVT_TIME_EXTENDED",
             Self::PvtTimeShifted => "PVT_TIME_SHIFTED",
             Self::PvtFinishedLate => "PVT_FINISHED_LATE",
+            Self::Override => "OVERRIDE",
         }
     }
 }

@@ -36,6 +36,7 @@ pub(crate) fn axis(index: usize, limits: Limits, profile: Profile) -> AxisPlan {
         profile,
         adjustments: Vec::new(),
         classification: Classification::default(),
+        pvt_regions: Vec::new(),
     }
 }
 

@@ -147,7 +147,10 @@ fn reason(why: &Why) -> Reason {
         Why::LengthMismatch { .. } | Why::TimesDiffer { .. } => Reason::LengthMismatch,
         Why::TimesNotIncreasing { .. } | Why::IntervalTooShort { .. } => Reason::TimesNotIncreasing,
         Why::PvtTimeTooShort { .. } | Why::PvtOutOfReach { .. } => Reason::PvtUnreachable,
-        Why::NotImplemented { .. } => Reason::NotImplemented,
+        Why::FactorOutOfRange { .. } => Reason::OverrideOutOfRange,
+        Why::NoTimeLaw => Reason::FieldMissing,
+        Why::EndsAtSpeed { .. } | Why::BackInTime { .. } => Reason::ValueOutOfRange,
+        Why::NotRetimed | Why::NotImplemented { .. } => Reason::NotImplemented,
     }
 }
 
