@@ -116,18 +116,6 @@ impl Limits {
         }
     }
 
-    /// The same with a velocity limit that lets `velocity` be reached.
-    pub(crate) fn reaching(&self, velocity: f64) -> Self {
-        let mut spec = self.spec.clone();
-        if velocity < 0.0 {
-            spec.max_velocity_reverse = Some(largest(self.velocity_reverse(), -velocity));
-        } else {
-            spec.max_velocity_reverse = Some(self.velocity_reverse());
-            spec.max_velocity = largest(self.velocity_forward(), velocity);
-        }
-        Self { spec }
-    }
-
     /// Greatest acceleration while speed grows [axis units/s²].
     #[must_use]
     pub fn acceleration(&self) -> f64 {

@@ -163,7 +163,13 @@ impl core::fmt::Display for Violation {
 /// Judges a plan by its own limits and goals.
 #[must_use]
 pub fn certify(plan: &Plan) -> Certificate {
-    let mut certificate = Certificate::default();
+    // Of each axis, but for a range of positions and derivatives above jerk.
+    let each = 3 * plan.axes().len();
+    let mut certificate = Certificate {
+        limits: Vec::with_capacity(each),
+        joins: Vec::with_capacity(each),
+        ends: Vec::with_capacity(each),
+    };
     for axis in plan.axes() {
         let goal = axis.goal_to_reach();
         certificate.judge(&axis.axis, &axis.profile, &axis.limits, goal, &Promise::of(plan));

@@ -1,6 +1,11 @@
 //! Operations on a motion under way: what each does in each phase, what is refused and in which words, and what is felt on the way.
 
-#![allow(clippy::unwrap_used, clippy::float_cmp, reason = "a test may fail by panicking, and compares bits")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test may fail by panicking, and compares bits"
+)]
 
 mod common;
 
@@ -54,14 +59,17 @@ fn velocities(motion: &Motion, cycles: std::ops::RangeInclusive<u64>) -> Vec<f64
     cycles.map(|cycle| motion.state(0, cycle).velocity).collect()
 }
 
+/// A motion at a cycle, the phase that it is in, an operation; the phase that comes of it and whether a setpoint changes, none where it is
+/// refused.
+type Row<'a> = (&'a Motion, u64, Phase, &'a Operation, Option<(Phase, bool)>);
+
 #[test]
 fn what_each_operation_does_in_each_phase() {
     let held = after(&motion(), 300, &Operation::Hold).motion;
     let stopping = after(&motion(), 300, &Operation::Stop).motion;
     let away = retarget("x", State::at_rest(0.1));
     use Phase::{Finished, Holding, Moving, Standstill, Stopping};
-    // The phase, the operation, what comes of it, and whether a setpoint changes; none where it is refused.
-    let rows: [(&Motion, u64, Phase, &Operation, Option<(Phase, bool)>); 29] = [
+    let rows: [Row; 29] = [
         (&motion(), 300, Moving, &Operation::Hold, Some((Holding, true))),
         (&motion(), 300, Moving, &Operation::Resume, Some((Moving, false))),
         (&motion(), 300, Moving, &factor(0.2), Some((Moving, true))),

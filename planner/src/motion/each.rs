@@ -25,29 +25,15 @@ pub(super) struct Planned {
 
 /// What becomes of the motion under an errand; none where every axis goes on as it does.
 pub(super) fn planned(under_way: &UnderWay<'_>) -> Result<Option<Planned>, Refused> {
-    let mut legs = Vec::with_capacity(under_way.aims.len());
-    let mut invalid = InvalidFields::default();
-    for index in 0..under_way.aims.len() {
-        legs.extend(invalid.take(&Field::element("axes", index), leg(under_way, index)));
-    }
-    let legs: Vec<Option<Leg>> = invalid.into_result(legs)?;
-    if legs.iter().all(Option::is_none) {
-        return Ok(None);
-    }
-    let mut ways = Vec::with_capacity(legs.len());
-    for (index, leg) in legs.into_iter().enumerate() {
-        ways.push(match leg {
-            Some(leg) => Way::To(leg),
-            None => match rest_of(under_way.plan, &under_way.plan.axes()[index].profile, under_way.at) {
-                Some(rest) => Way::On(rest),
-                None => Way::To(anew(under_way, index)?),
-            },
-        });
-    }
+    let mut manners = alloc::vec![Manner::Plain; under_way.aims.len()];
     loop {
-        match laid(under_way, &ways) {
+        let legs = legs(under_way, &manners)?;
+        if legs.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        match laid(under_way, legs) {
             Err(Objection::Rejected(rejection)) => {
-                if !simplify(under_way, &mut ways, &rejection)? {
+                if !simplify(under_way, &mut manners, &rejection) {
                     return Err(Objection::Rejected(rejection).into());
                 }
             }
@@ -56,26 +42,73 @@ pub(super) fn planned(under_way: &UnderWay<'_>) -> Result<Option<Planned>, Refus
     }
 }
 
-/// What one axis does from now on.
-enum Way {
-    /// What it does already: the rest of its pieces.
-    On(Profile),
-    To(Leg),
+/// How the way of one axis is found.
+///
+/// What is left of a motion may be so little that the roundings of the whole are too large for the judge; planned anew from its very state it
+/// has none. And next to the borders between shapes the fastest motion may hang on what is below a rounding; by way of rest it does not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Manner {
+    Plain,
+    Anew,
+    ThroughRest,
 }
 
-/// The way to what an axis is asked for; none where it goes on as it does.
-fn leg(under_way: &UnderWay<'_>, index: usize) -> Result<Option<Leg>, InvalidFields> {
+/// Takes a simpler manner for each axis whose pieces do not join; false where there is none.
+fn simplify(under_way: &UnderWay<'_>, manners: &mut [Manner], rejection: &Rejection) -> bool {
+    let goes = matches!(under_way.errand, Errand::Goals { .. });
+    for (aim, manner) in under_way.aims.iter().zip(manners) {
+        let apart = rejection.violations.iter().any(|violation| match violation {
+            Violation::Join(JoinCheck { axis, .. }) | Violation::End(EndCheck { axis, .. }) => {
+                *axis == aim.axis
+            }
+            Violation::Limit(_) => false,
+        });
+        *manner = match *manner {
+            other if !apart => other,
+            Manner::Plain => Manner::Anew,
+            Manner::Anew if goes => Manner::ThroughRest,
+            Manner::Anew | Manner::ThroughRest => return false,
+        };
+    }
+    !rejection.violations.iter().any(|violation| matches!(violation, Violation::Limit(_)))
+}
+
+/// The way of each axis; none where it goes on as it does.
+fn legs(under_way: &UnderWay<'_>, manners: &[Manner]) -> Result<Vec<Option<Leg>>, InvalidFields> {
+    let mut invalid = InvalidFields::default();
+    let mut legs = Vec::with_capacity(manners.len());
+    for (index, &manner) in manners.iter().enumerate() {
+        match leg(under_way, index, manner) {
+            Ok(leg) => legs.push(leg),
+            Err(inner) => invalid.extend_within(&Field::element("axes", index), inner),
+        }
+    }
+    invalid.into_result(legs)
+}
+
+fn leg(under_way: &UnderWay<'_>, index: usize, manner: Manner) -> Result<Option<Leg>, InvalidFields> {
     let start = under_way.state(index);
     let aim = &under_way.aims[index];
-    match under_way.errand {
+    let leg = match under_way.errand {
         Errand::Rest => {
             let leg = Leg::to_rest(start, &aim.limits.scaled(1.0))?;
             let left = under_way.plan.axes()[index].profile.duration() - under_way.at;
             let stops_already = left <= leg.profile.duration() * (1.0 + AS_FAST);
-            Ok((!stops_already).then_some(leg))
+            if stops_already { None } else { Some(leg) }
         }
-        Errand::Goals { kept, .. } if kept[index] => Ok(None),
-        Errand::Goals { factor, turning, .. } => to_aim(start, aim, factor, turning),
+        Errand::Goals { kept, .. } if kept[index] => None,
+        Errand::Goals { factor, turning, .. } => to_aim(start, aim, factor, turning)?,
+    };
+    let leg = match manner {
+        Manner::Plain => return Ok(leg),
+        Manner::Anew | Manner::ThroughRest => leg.map_or_else(|| anew(under_way, index), Ok)?,
+    };
+    match under_way.errand {
+        Errand::Goals { factor, .. } if manner == Manner::ThroughRest => {
+            let limits = aim.limits.scaled(factor.get());
+            Leg::through_rest(start, factor.at_goal(aim.goal, &limits), &limits).map(Some)
+        }
+        Errand::Goals { .. } | Errand::Rest => Ok(Some(leg)),
     }
 }
 
@@ -99,71 +132,43 @@ fn anew(under_way: &UnderWay<'_>, index: usize) -> Result<Leg, InvalidFields> {
     }
 }
 
-/// Takes a simpler way for each axis whose pieces do not join; false where there is none.
-///
-/// What is left of a motion may be so little that the roundings of the whole are too large for the judge; planned anew from its very state it
-/// has none. And next to the borders between shapes the fastest motion may hang on what is below a rounding; by way of rest it does not.
-fn simplify(
-    under_way: &UnderWay<'_>,
-    ways: &mut [Way],
-    rejection: &Rejection,
-) -> Result<bool, InvalidFields> {
-    let mut apart = alloc::vec![false; ways.len()];
-    for violation in &rejection.violations {
-        let axis = match violation {
-            Violation::Join(JoinCheck { axis, .. }) | Violation::End(EndCheck { axis, .. }) => axis,
-            Violation::Limit(_) => return Ok(false),
-        };
-        let Some(index) = under_way.aims.iter().position(|aim| aim.axis == *axis) else { return Ok(false) };
-        apart[index] = true;
-    }
-    for (index, way) in ways.iter_mut().enumerate().filter(|(index, _)| apart[*index]) {
-        *way = match (&*way, under_way.errand) {
-            (Way::On(_), _) => Way::To(anew(under_way, index)?),
-            (Way::To(leg), Errand::Goals { factor, .. }) if !leg.through_rest => {
-                let limits = under_way.aims[index].limits.scaled(factor.get());
-                Way::To(Leg::through_rest(under_way.state(index), leg.reached, &limits)?)
-            }
-            (Way::To(_), _) => return Ok(false),
-        };
-    }
-    Ok(true)
-}
-
-/// The ways as a plan, which the judge accepts.
-fn laid(under_way: &UnderWay<'_>, ways: &[Way]) -> Result<Planned, Objection> {
-    let mut axes = Vec::with_capacity(ways.len());
+/// The ways as a plan, which the judge accepts. What goes on as it does is cut off, or planned anew where it cannot be.
+fn laid(under_way: &UnderWay<'_>, legs: Vec<Option<Leg>>) -> Result<Planned, Objection> {
+    let mut axes = Vec::with_capacity(legs.len());
     let (mut arrives, mut closes) = (0.0, false);
-    for (index, way) in ways.iter().enumerate() {
+    for (index, leg) in legs.into_iter().enumerate() {
         let (now, aim) = (&under_way.plan.axes()[index], &under_way.aims[index]);
-        match way {
-            Way::On(rest) => {
-                // Where its goal is not its aim any more, that is behind it.
-                let ahead = now.goal == aim.goal;
-                let closing = if ahead { closing_begins(now) } else { None };
-                let adjustments = if ahead { now.adjustments.clone() } else { Vec::new() };
-                closes |= closing.is_some();
-                arrives = largest(arrives, closing.map_or(rest.duration(), |begins| begins - under_way.at));
-                axes.push(axis_plan(aim, rest.clone(), aim.goal, adjustments));
-            }
-            Way::To(leg) => {
-                closes |= leg.closing.is_some();
-                arrives = largest(arrives, leg.arrives());
-                axes.push(towards(under_way, aim, leg));
-            }
+        let rest = match leg {
+            Some(_) => None,
+            None => rest_of(under_way.plan, &now.profile, under_way.at),
+        };
+        if let Some(rest) = rest {
+            // Where its goal is not its aim any more, that is behind it.
+            let ahead = now.goal == aim.goal;
+            let closing = if ahead { closing_begins(now) } else { None };
+            let adjustments = if ahead { now.adjustments.clone() } else { Vec::new() };
+            closes |= closing.is_some();
+            arrives = largest(arrives, closing.map_or(rest.duration(), |begins| begins - under_way.at));
+            axes.push(axis_plan(aim, rest, aim.goal, adjustments));
+        } else {
+            let leg = leg.map_or_else(|| anew(under_way, index), Ok)?;
+            closes |= leg.closing.is_some();
+            arrives = largest(arrives, leg.arrives());
+            axes.push(towards(under_way, aim, leg));
         }
     }
     let proved = prove(under_way, axes)?;
     Ok(Planned { proved, closes: closes.then_some(arrives) })
 }
 
-fn towards(under_way: &UnderWay<'_>, aim: &AxisPlan, leg: &Leg) -> AxisPlan {
-    let (profile, end) = (leg.profile.clone(), leg.profile.end());
+fn towards(under_way: &UnderWay<'_>, aim: &AxisPlan, leg: Leg) -> AxisPlan {
+    let Leg { profile, reached, .. } = leg;
+    let end = profile.end();
     match under_way.errand {
         Errand::Rest => axis_plan(aim, profile, end, Vec::new()),
         Errand::Goals { factor, .. } => {
             let scaled = factor.at_goal(aim.goal, &aim.limits.scaled(factor.get()));
-            let said = adjustments(&aim.limits, profile.start(), [aim.goal, scaled, leg.reached, end]);
+            let said = adjustments(&aim.limits, profile.start(), [aim.goal, scaled, reached, end]);
             axis_plan(aim, profile, aim.goal, said)
         }
     }

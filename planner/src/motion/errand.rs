@@ -2,7 +2,9 @@
 
 use super::factor::Override;
 use super::leg::Turning;
-use crate::{AdjustmentReason, AxisPlan, Limits, Plan, Profile, Quantity, State};
+use crate::float::{largest, least};
+use crate::roots::linear;
+use crate::{AdjustmentReason, AxisPlan, Law, Limits, Plan, Profile, Quantity, State};
 
 /// What a motion is asked for.
 #[derive(Clone, Copy, Debug)]
@@ -111,15 +113,27 @@ const AT_THE_LIMIT: f64 = 1e-9;
 
 /// The lowest and the highest velocity from `at` on, and zero.
 pub(super) fn velocity_range(profile: &Profile, at: f64) -> (f64, f64) {
-    let mut range = (0.0f64, 0.0f64);
+    let end = profile.end().velocity;
+    let mut range = (least(end, 0.0), largest(end, 0.0));
+    let mut see = |velocity: f64| range = (least(range.0, velocity), largest(range.1, velocity));
     for (begin, segment) in profile.timed_segments() {
         if begin + segment.duration <= at {
             continue;
         }
-        let from = (at - begin).max(0.0);
-        for t in core::iter::once(from).chain(segment.turning_points().into_iter().filter(|&t| t > from)) {
-            let velocity = segment.at(t).state.velocity;
-            range = (range.0.min(velocity), range.1.max(velocity));
+        let from = largest(0.0, at - begin);
+        see(segment.at(from).state.velocity);
+        match segment.law {
+            Law::ConstantJerk(jerk) => {
+                let turn = linear(jerk, segment.start.acceleration);
+                if let Some(t) = turn.filter(|&t| t > from && t < segment.duration) {
+                    see(segment.at(t).state.velocity);
+                }
+                see(segment.at(segment.duration).state.velocity);
+            }
+            Law::Polynomial(_) | Law::CosineJerk { .. } => {
+                let turns = segment.turning_points();
+                turns.into_iter().filter(|&t| t > from).for_each(|t| see(segment.at(t).state.velocity));
+            }
         }
     }
     range

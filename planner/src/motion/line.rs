@@ -385,10 +385,7 @@ impl Course {
             (_, _) if line.axes[axis].ratio == 0.0 => Profile::new(Vec::new(), start),
             (Manner::Line, _) => self.along(line, axis, start, reached),
             (Manner::Shares | Manner::SharesThroughRest, None) => Leg::to_rest(start, &shares()?)?.profile,
-            (Manner::Shares, Some(goal)) => {
-                let leg = Leg::to_goal(start, goal, &shares()?, Turning::Allowed)?;
-                leg.map_or_else(|| self.along(line, axis, start, reached), |leg| leg.profile)
-            }
+            (Manner::Shares, Some(goal)) => Leg::fastest(start, goal, &shares()?)?.profile,
             (Manner::SharesThroughRest, Some(goal)) => Leg::through_rest(start, goal, &shares()?)?.profile,
         };
         let end = profile.end();

@@ -54,6 +54,7 @@ mod errand;
 mod factor;
 mod leg;
 mod line;
+mod passing;
 mod prove;
 mod refused;
 mod retarget;

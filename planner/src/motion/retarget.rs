@@ -22,18 +22,22 @@ impl Motion {
         let mut kept = alloc::vec![true; aims.len()];
         let mut invalid = InvalidFields::default();
         for (index, asked) in goals.iter().enumerate() {
-            let field = Field::element("goals", index);
             let named_before = goals[..index].iter().any(|other| other.axis == asked.axis);
-            let place = invalid.take(&field, place(&aims, asked, named_before));
-            let Some(place) = place else { continue };
+            let checked = place(&aims, asked, named_before).and_then(|place| {
+                let limits = asked.limits.as_ref().unwrap_or(&aims[place].limits);
+                reachable(asked.goal, limits).map(|()| (place, limits.clone()))
+            });
+            let (place, limits) = match checked {
+                Ok(checked) => checked,
+                Err(inner) => {
+                    invalid.extend_within(&Field::element("goals", index), inner);
+                    continue;
+                }
+            };
             let goal = asked.goal.with_positive_zeros();
-            let limits = asked.limits.as_ref().unwrap_or(&aims[place].limits);
-            if invalid.take(&field, reachable(goal, limits)).is_none() {
-                continue;
-            }
-            if goal != aims[place].goal || *limits != aims[place].limits {
+            if goal != aims[place].goal || limits != aims[place].limits {
                 kept[place] = false;
-                aims[place] = aim(&aims[place], goal, limits.clone());
+                aims[place] = aim(&aims[place], goal, limits);
             }
         }
         invalid.into_result(())?;
@@ -103,6 +107,9 @@ fn reachable(goal: State, limits: &Limits) -> Result<(), InvalidFields> {
         invalid.note("goal.position", Some(why));
     }
     invalid.into_result(())?;
+    if goal.is_at_rest() {
+        return Ok(());
+    }
     // The way from a goal to itself is refused for what is wrong with the goal alone.
     plan_between(goal, goal, &limits.scaled(1.0)).map(|_| ())
 }

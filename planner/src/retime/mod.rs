@@ -1,4 +1,4 @@
-//! A plan on its way, slowed, held or resumed on its path: the derivation is in `notes/0008-retiming.md`.
+//! A plan on its way, slowed, held or resumed on its path: the derivation is in `notes/0010-retiming.md`.
 //!
 //! The path of a plan under way is q(τ), τ the plan's own time. All axes get one common law τ(t) whose rate goes from what it is to
 //! the factor that was asked for, and then
