@@ -224,7 +224,7 @@ fn laws_that_are_none_are_refused_with_their_path() {
     let rows = [
         (Law::Jerk(f64::NAN), proto::Reason::NotFinite, "jerk"),
         (polynomial(&[]), proto::Reason::OrderUnsupported, "polynomial.derivatives"),
-        (polynomial(&[1.0; 7]), proto::Reason::OrderUnsupported, "polynomial.derivatives"),
+        (polynomial(&[1.0; 14]), proto::Reason::OrderUnsupported, "polynomial.derivatives"),
         (polynomial(&[1.0, f64::INFINITY]), proto::Reason::NotFinite, "polynomial.derivatives[1]"),
         (
             Law::CosineJerk(CosineJerk { peak_jerk: f64::NAN }),

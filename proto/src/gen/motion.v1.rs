@@ -178,7 +178,7 @@ pub mod axis_segment {
     /// A polynomial given by its derivatives.
     #[derive(Clone, PartialEq, ::prost::Message)]
     pub struct Polynomial {
-        /// Jerk, snap, ... at the start of the segment \[u/s^3, u/s^4, ...\]: one to six of them; the last
+        /// Jerk, snap, ... at the start of the segment \[u/s^3, u/s^4, ...\]: one to thirteen of them; the last
         /// one is constant.
         #[prost(double, repeated, tag = "1")]
         pub derivatives: ::prost::alloc::vec::Vec<f64>,
