@@ -95,6 +95,10 @@ fn what_cannot_be_met_is_said_in_the_words_of_the_table() {
     }
     assert!(pvt("", &[]).with(2).err.contains("line 1: the table is empty"));
     assert!(pvt("time,x.position,x.velocity\n", &[]).with(3).err.contains("give at least one point"));
+    // Where no row says where the axes start.
+    let table = "time,x.position,x.velocity\n1,0.5,0\n";
+    let err = pvt(table, &["--min-position", "0.1"]).with(3).err;
+    assert!(err.contains("x.position at time 0: is 0, beyond 0.1"), "{err}");
     // Of a flag that all axes share it is said once.
     let err = pvt(TABLE, &["--feed-rate", "-1"]).with(3).err;
     assert_eq!(err.matches("--feed-rate").count(), 1, "{err}");

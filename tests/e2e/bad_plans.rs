@@ -290,10 +290,8 @@ async fn a_path_too_short_says_what_would_do() {
 #[tokio::test]
 async fn what_later_versions_do_is_said_not_to_be_done() {
     let server = Loopback::start().await;
-    let mut planner = server.planner().await;
     let mut setpoints = server.setpoints().await;
     let statuses = [
-        planner.plan_pvt(pb::PlanPvtRequest::default()).await.unwrap_err(),
         setpoints.control_stream(pb::ControlStreamRequest::default()).await.unwrap_err(),
         setpoints.watch_stream(pb::WatchStreamRequest::default()).await.unwrap_err(),
     ];

@@ -35,10 +35,11 @@ and is answered before the next one is read; a first line at time 0 says where
 the axis starts. What is refused leaves the axis where it was, and the next line
 goes on from there.
 
-Of each point the table gives its region (R1: run ahead and come back to the end
-velocity; R2: ramp, then cruise; R3: cruise, then ramp; R4: hold back first), the
-positions that can be reached by then, where the axis is and how fast, and by how
-much position (p), velocity (v) and time (t) are not as asked.
+Of each point the table gives its region, the positions that can be reached by
+then, where the axis is and how fast, and by how much position (p), velocity (v)
+and time (t) are not as asked. Regions are R1: past the end velocity and back to
+it; R2: a ramp, then a cruise; R3: a cruise, then a ramp; R4: away from the end
+velocity first.
 
 Examples:
   A table, with a plot and a file for verify, sample and track:
@@ -46,7 +47,8 @@ Examples:
         --max-acceleration 4 --max-jerk 160 --plot points.svg --output plan.json
   Positions before velocities, and the last point even if it takes longer:
     portamento pvt --points points.csv --policy prefer-position \\
-        --finish-unreached --max-velocity 0.5 --max-acceleration 4 --max-jerk 160
+        --finish-unreached --max-velocity 0.5 --max-acceleration 4 \\
+        --max-jerk 160
   Commands as a camera sends them, answered in JSON:
     camera | portamento pvt --follow --json --max-velocity 0.5 \\
         --max-acceleration 4 --max-jerk 160
@@ -55,7 +57,8 @@ Examples:
     {\"policy\": \"PVT_POLICY_REJECT\", \"axes\": [
       {\"axis\": \"x\", \"kind\": \"AXIS_KIND_PRISMATIC\",
        \"limits\": {\"maxVelocity\": 0.5, \"maxAcceleration\": 4, \"maxJerk\": 160},
-       \"times\": [0.2, 0.4], \"positions\": [0.02, 0.04], \"velocities\": [0.15, 0]}]}"
+       \"times\": [0.2, 0.4], \"positions\": [0.02, 0.04],
+       \"velocities\": [0.15, 0]}]}"
 )]
 pub(crate) struct PvtArgs {
     /// Plan the points in this table; '-' reads standard input.

@@ -10,7 +10,8 @@ use proto::{Reason, Rejected};
 use crate::args::PvtArgs;
 use crate::command::plan::in_flags;
 use crate::failure::Failure;
-use crate::show::paint::{Screen, clean};
+use crate::show::number::counted;
+use crate::show::paint::{Screen, clean, wrapped};
 use crate::show::{json, points};
 use crate::source::{cells, number};
 
@@ -37,7 +38,7 @@ pub(super) fn run(args: &PvtArgs, screen: &mut Screen<'_>) -> Result<(), Failure
                 if screen.json {
                     writeln!(screen.out, "{}", json::error(&rejected))?;
                 } else {
-                    let text = format!("line {}: {}", index + 1, clean(&rejected.to_string()));
+                    let text = wrapped(&format!("line {}: {}", index + 1, clean(&rejected.to_string())), "");
                     writeln!(screen.out, "{}", screen.paint.bad(&text))?;
                 }
             }
@@ -89,7 +90,7 @@ impl<'a> Following<'a> {
         };
         let cells = cells(line).unwrap_or_default();
         let [time, position, velocity] = cells.as_slice() else {
-            return Err(not_a_command(format!("there are {} numbers on it", cells.len())));
+            return Err(not_a_command(format!("has {}", counted(cells.len() as u64, "number"))));
         };
         let read = |cell: &String| number(cell).map_err(not_a_command);
         let (time, position, velocity) = (read(time)?, read(position)?, read(velocity)?);

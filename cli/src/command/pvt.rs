@@ -57,14 +57,20 @@ fn to_spec(args: &PvtArgs, table: &PointTable) -> PvtRequestSpec {
 }
 
 /// A refusal in the words of the table and the command line. Programs get the fields of the schema.
-fn in_table(failure: Failure, table: &PointTable, json: bool) -> Failure {
+fn in_table(mut failure: Failure, table: &PointTable, json: bool) -> Failure {
+    if let (Failure::Refused(rejected), false) = (&mut failure, json) {
+        for violation in &mut rejected.fields {
+            if let Some(place) = table.place(&violation.field) {
+                violation.field = place;
+            }
+        }
+    }
     match in_flags(failure, json) {
-        Failure::Refused(mut rejected) if !json => {
+        Failure::Refused(mut rejected) => {
+            // What all axes have from one flag is wrong once.
             let mut fields: Vec<FieldViolation> = Vec::with_capacity(rejected.fields.len());
-            for mut violation in rejected.fields {
-                violation.field = table.place(&violation.field).unwrap_or(violation.field);
-                // What all axes have from one flag is wrong once.
-                if !fields.contains(&violation) {
+            for violation in rejected.fields {
+                if json || !fields.contains(&violation) {
                     fields.push(violation);
                 }
             }

@@ -66,7 +66,10 @@ fn points_table(axis: &AxisPlan, reports: &[&PvtPointReport], digits: i32) -> Ta
     let mut table = Table::default();
     table.right("#", "", reports.iter().map(|report| report.point.to_string()).collect());
     table.right("time", "[s]", exact_column(&all(&|report| report.time), digits));
-    table.left("region", "", reports.iter().map(|report| region(report).to_owned()).collect());
+    // Polynomials have none.
+    if reports.iter().any(|report| report.region.is_some()) {
+        table.left("region", "", reports.iter().map(|report| region(report).to_owned()).collect());
+    }
     table.right("reach from", &length, from);
     table.right("to", &length, to);
     table.right("position", &length, cells.collect());
@@ -108,7 +111,10 @@ fn summary(reports: &[&PvtPointReport]) -> Option<String> {
         .map(|(count, name)| format!("{name} {count}"))
         .collect();
     let all = counted(reports.len() as u64, "point");
-    (adjusted > 0).then(|| format!("{adjusted} of {all} not as asked: {}.", reasons.join(", ")))
+    (adjusted > 0).then(|| {
+        let reasons = reasons.join(", ");
+        format!("{adjusted} of {all} not as asked (p position, v velocity, t time): {reasons}.")
+    })
 }
 
 /// Above the rows of points that come one by one, in columns that nothing is known of yet.

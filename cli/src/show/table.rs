@@ -260,7 +260,11 @@ fn ends_table(plan: &Plan, certificate: &Certificate) -> Table {
     table.verdicts(
         pairs
             .iter()
-            .map(|(join, end)| if join.passed() && end.passed() { Verdict::Ok } else { Verdict::Failed })
+            .map(|(join, end)| match (join.passed() && end.passed(), join.guaranteed) {
+                (false, _) => Verdict::Failed,
+                (true, true) => Verdict::Ok,
+                (true, false) => Verdict::NotPromised,
+            })
             .collect(),
     );
     table

@@ -67,7 +67,10 @@ impl PointTable {
         let (axis, rest) = field.strip_prefix("axes[")?.split_once("].")?;
         let name = &self.axes.get(axis.parse::<usize>().ok()?)?.name;
         if let Some(part) = rest.strip_prefix("start.") {
-            return Some(format!("line {}, {name}.{part}", self.start_line?));
+            return Some(match self.start_line {
+                Some(line) => format!("line {line}, {name}.{part}"),
+                None => format!("{name}.{part} at time 0"),
+            });
         }
         let (list, index) = rest.strip_suffix(']')?.split_once('[')?;
         let (line, _) = self.points.get(index.parse::<usize>().ok()?)?;
