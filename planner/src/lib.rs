@@ -97,8 +97,9 @@
 //! 7. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when.
 //!    [`Judged`], [`Accepted`]: a plan with both, and one that may be executed.
 //! 8. [`generator`], [`grid`]: without a plan. The stepped form for a control loop, and moves of whole cycles.
-//! 9. [`retime`], [`TimeLaw`], [`Retiming`]: a plan on its way held, slowed or resumed, all axes together and on their
-//!    path.
+//! 9. [`motion`]: a plan under way, and what may be done to it: hold, resume, override, retarget, stop.
+//! 10. [`retime`], [`TimeLaw`], [`Retiming`]: a plan on its way held, slowed or resumed, all axes together and on their
+//!     path.
 //!
 //! The derivations and the decisions are in the repository's `notes/`, the laws that hold for every problem in
 //! `tests/laws.rs`.
