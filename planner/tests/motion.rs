@@ -14,8 +14,8 @@ use planner::motion::{
     AxisGoal, Beyond, InvalidMotion, Motion, MotionParts, Operation, Override, Phase, Refused, Spliced,
 };
 use planner::{
-    AdjustmentReason, AxisPlan, Family, Judged, Limits, LimitsSpec, Method, Plan, Quantity, State,
-    Synchronization,
+    AdjustmentReason, AxisKind, AxisPlan, Family, Judged, Limits, LimitsSpec, Method, Plan, PvtAxisSpec,
+    PvtInterpolation, PvtPolicy, PvtRequest, PvtRequestSpec, Quantity, State, Synchronization, plan_pvt,
 };
 
 fn limits() -> LimitsSpec {
@@ -478,11 +478,38 @@ fn axes_that_arrive_together_stop_each_by_itself() {
     for operation in [Operation::Hold, factor(0.5), retarget("x", State::at_rest(0.1))] {
         assert_eq!(
             refusal(&motion, 300, &operation),
-            "hold, resume, override and retarget of axes that arrive together is not implemented: stop, or plan with \
-             SYNCHRONIZATION_NONE or SYNCHRONIZATION_PHASE"
+            "hold, resume, override and retarget of axes that arrive together, or go through points is not implemented: \
+             stop, or plan with SYNCHRONIZATION_NONE or SYNCHRONIZATION_PHASE"
         );
     }
     assert!(motion.splice(motion.last_cycle(), &Operation::Hold).is_ok());
+}
+
+/// An axis that goes through points must not forget them.
+#[test]
+fn points_are_a_path() {
+    let axis = PvtAxisSpec {
+        axis: "x".into(),
+        kind: Ok(AxisKind::Prismatic),
+        limits: limits(),
+        start: State::at_rest(0.0),
+        times: vec![1.0, 2.0],
+        positions: vec![0.2, 0.1],
+        velocities: vec![0.0, 0.0],
+    };
+    let request = PvtRequest::try_from(PvtRequestSpec {
+        axes: vec![axis],
+        cycle_time_ns: None,
+        interpolation: Ok(PvtInterpolation::SShaped),
+        policy: Ok(PvtPolicy::Reject),
+        finish_unreached: false,
+    });
+    let plan = plan_pvt(&request.unwrap()).unwrap().plan().clone();
+    let motion = Motion::open(Judged::new(plan).accepted().unwrap()).unwrap();
+    assert!(refusal(&motion, 300, &Operation::Hold).contains("go through points is not implemented"));
+    let stopped = after(&motion, 300, &Operation::Stop);
+    assert!(!stopped.on_path && stopped.motion.plan().method().pvt.is_none());
+    assert!(stopped.motion.state(0, stopped.rest_cycle).is_at_rest());
 }
 
 #[test]

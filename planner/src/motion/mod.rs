@@ -404,7 +404,7 @@ impl Motion {
             Kind::Each => each::planned(under_way),
             Kind::Line => line::planned(under_way, self.asked()),
             Kind::Path => Err(Refused::not_implemented(
-                "hold, resume, override and retarget of axes that arrive together",
+                "hold, resume, override and retarget of axes that arrive together, or go through points",
                 "stop, or plan with SYNCHRONIZATION_NONE or SYNCHRONIZATION_PHASE",
             )),
         }
@@ -559,7 +559,10 @@ enum Kind {
 
 impl Kind {
     fn of(plan: &Plan) -> Self {
-        match plan.method().synchronization {
+        let method = plan.method();
+        match method.synchronization {
+            // Points on the way are a path, for one axis too.
+            _ if method.pvt.is_some() => Self::Path,
             _ if plan.axes().len() == 1 => Self::Each,
             Synchronization::None => Self::Each,
             Synchronization::Phase => Self::Line,

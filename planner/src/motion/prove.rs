@@ -33,9 +33,9 @@ pub(super) struct Proved {
     pub(super) beyond: Vec<Beyond>,
 }
 
-/// How every splice is made: constant jerk in pieces, whatever the motion was made of before.
-pub(super) fn method_of_splice(method: Method) -> Method {
-    Method { family: Family::SCurve, order: 3, end_on_cycle: false, ..method }
+/// How every splice is made: constant jerk in pieces, whatever the motion was made of before, and to a goal.
+fn method_of_splice(method: Method) -> Method {
+    Method { family: Family::SCurve, order: 3, end_on_cycle: false, pvt: None, ..method }
 }
 
 /// Why the judge does not accept what was planned.
