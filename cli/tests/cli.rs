@@ -460,4 +460,9 @@ fn what_cannot_be_compared_is_refused() {
         let ran = compare(&[&PAPERS_MOVE[..], args].concat()).with(code);
         assert!(ran.err.contains(word), "{}", ran.err);
     }
+    // Days of motion are not simulated behind anybody's back.
+    let long =
+        ["--distance", "1e6", "--max-velocity", "0.25", "--max-acceleration", "3", "--max-jerk", "100"];
+    let ran = compare(&long).with(3);
+    assert!(ran.err.contains("TOO_MANY_CYCLES") && ran.err.contains("600000"), "{}", ran.err);
 }

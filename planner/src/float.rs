@@ -21,8 +21,7 @@ pub(crate) fn largest(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }
 
-/// The cube root of a number ≥ 0, to within two units in the last place; by the same few operations on every platform, in a third of
-/// the time of one that is correctly rounded.
+/// The cube root of a number ≥ 0, to within two units in the last place, by the same few operations on every platform.
 ///
 /// `y = x^(−1/3)` is found without a division: with `e = 1 − x·y³` the wanted factor is
 /// `(1 − e)^(−1/3) = 1 + e/3 + 2e²/9 + 14e³/81 + …`, and what is

@@ -1,4 +1,5 @@
 use planner::{AxisKind, AxisPlan, Judged, LimitsSpec, RequestSpec, State};
+use proto::{Reason, Rejected};
 use sim_axis::{
     Axis, AxisConfig, AxisModel, AxisModelSpec, DEFAULT_SETTLE_WINDOW, EncoderSpec, FrictionSpec, LoadSpec,
     MechanicsSpec, ReportCard, ServoSpec,
@@ -152,9 +153,22 @@ fn linear_motor() -> AxisModel {
     AxisModel::try_from(spec).unwrap_or_else(|_| AxisModel::flexible(""))
 }
 
+/// The longest motion that is compared \[cycles\], ten minutes of milliseconds: every cycle of every family is kept for the
+/// figure, and nobody looks at more.
+const MOST_CYCLES: u64 = 600_000;
+
 /// What every axis of a plan does, each on an axis of its own.
 fn followed(name: &str, judged: &Judged, watched: Watched<'_>) -> Result<Vec<Compared>, Failure> {
     let plan = judged.plan();
+    let cycles = plan.cycle_count();
+    if cycles > MOST_CYCLES {
+        let text = format!(
+            "{name} lasts {cycles} cycles, and at most {MOST_CYCLES} are compared: shorten the move, or lengthen the \
+             cycle time"
+        );
+        let rejected = Rejected::new(Reason::TooManyCycles, text);
+        return Err(Failure::refused(rejected.with("given", cycles).with("allowed", MOST_CYCLES)));
+    }
     let several = plan.axes().len() > 1;
     let each = plan.axes().iter().enumerate().map(|(index, axis)| {
         let name = if several { format!("{name}, {}", axis.axis) } else { name.to_owned() };
