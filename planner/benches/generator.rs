@@ -35,6 +35,19 @@ fn steps<F: Real>(criterion: &mut Criterion, width: &str, limits: AxisLimits<F>,
             black_box(&mut running).step()
         });
     });
+    // In mid-cruise, and called back.
+    let mut moving = generator(limits);
+    moving.set_target(targets[0]).unwrap();
+    for _ in 0..150 {
+        moving.step();
+    }
+    group.bench_function(format!("set_target/{width}, from motion"), |bencher| {
+        bencher.iter_batched_ref(
+            || moving.clone(),
+            |moving| moving.set_target(black_box(targets[1])),
+            criterion::BatchSize::SmallInput,
+        );
+    });
     let resting = generator(limits);
     group.bench_function(format!("set_target/{width}"), |bencher| {
         bencher.iter_batched_ref(

@@ -1,4 +1,4 @@
-//! The stepped form of a move from rest to rest, for a control loop: one setpoint per cycle, in `f32` or `f64`.
+//! The stepped form of a move, for a control loop: one setpoint per cycle, in `f32` or `f64`, and a new target at any of them.
 //!
 //! ```text
 //!            set_target(0.05)                       set_target(0.0)
@@ -12,9 +12,11 @@
 //!                         └────────────┘                  └─────────
 //! ```
 //!
-//! A [`Generator`] knows its limits, its cycle and where it is. [`set_target`](Generator::set_target) solves the move in closed
-//! form ([`Shape`], six cases, a few hundred nanoseconds); each [`step`](Generator::step) then evaluates one cubic. Nothing comes
-//! from the heap, and nothing is added up from cycle to cycle: a setpoint depends on the number of its cycle alone.
+//! A [`Generator`] knows its limits, its cycle and where it is. [`set_target`](Generator::set_target) solves the move: from rest in
+//! closed form ([`Shape`], six cases), on the way as the fastest motion from the state of that cycle
+//! ([`plan_transfer`](crate::plan_transfer)), which overshoots and turns back where that is faster. Either takes a few hundred
+//! nanoseconds. Each [`step`](Generator::step) then evaluates one cubic. Nothing comes from the heap, and nothing is added up
+//! from cycle to cycle: a setpoint depends on the move and the number of its cycle alone.
 //!
 //! ```
 //! use planner::CycleTime;
@@ -32,6 +34,16 @@
 //!     assert!(setpoint.velocity <= 0.25 && setpoint.acceleration.abs() <= 3.0);
 //! }
 //! assert_eq!(generator.position(), 0.05); // exactly
+//!
+//! // Somewhere else, and on the way there back again.
+//! generator.set_target(1.0)?;
+//! let before = (0..500).map(|_| generator.step()).last().unwrap_or_default();
+//! generator.set_target(0.05)?;
+//! assert_eq!(generator.setpoint().velocity, before.velocity); // as fast as before: it brakes from here
+//! while !generator.is_done() {
+//!     generator.step();
+//! }
+//! assert_eq!(generator.position(), 0.05);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -64,6 +76,10 @@
 //! milliseconds too: the time of a piece is a whole number of cycles, and the instants are solved for in `f64` in either width.
 //! Those have the roundings of a duration: the second half as a whole may be early or late by 2 ε (of `f64`) of the
 //! duration, which is within the above for the position, and adds as much time's worth of jerk to the acceleration.
+//!
+//! From motion the same holds, with the farthest that the motion leads from its start or its target in place of the distance, and
+//! four times as much for the position: on a piece that turns round, `v·t` and `a·t²/2` are larger than what is left of them.
+//! It begins in the setpoint of its cycle as that was commanded, rounded to the width, so no rounding shows as a jump.
 
 mod real;
 mod schedule;
@@ -73,7 +89,7 @@ pub use real::Real;
 pub use shape::Shape;
 
 use crate::grid::WholeCycles;
-use crate::{CycleTime, SixCase};
+use crate::{Bounds, CycleTime, SixCase, State, Transfer, Transit, plan_transfer};
 use schedule::Schedule;
 pub(crate) use shape::seen_from_the_end;
 
@@ -125,10 +141,10 @@ pub struct InvalidLimit {
 /// Why a position was not taken. The generator is as it was.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Refused {
-    /// The axis is on its way.
+    /// The axis is on its way, and every switch of its moves is to be on a whole cycle: those are known from rest alone.
     #[error(
-        "the axis is in motion, and a new target from motion comes with a later version: set it at rest, \
-         {remaining_cycles} cycles from now"
+        "the axis is in motion, and a move that switches on whole cycles begins at rest: set the target \
+         {remaining_cycles} cycles from now, or use a generator without that"
     )]
     InMotion {
         /// Steps until it is at rest.
@@ -222,29 +238,56 @@ impl<F: Real> Generator<F> {
         Ok(Self { shape: None, schedule: Schedule::empty(), target: position, cycle: 0, end: 0, ..self })
     }
 
-    /// Where to go next [axis units]. The move begins now: the next [`step`](Self::step) is one cycle into it, and
-    /// [`setpoint`](Self::setpoint) has the jerk with which it begins.
+    /// Where to go next [axis units], at rest or on the way. The move begins now: the next [`step`](Self::step) is one cycle into
+    /// it, and [`setpoint`](Self::setpoint) has the jerk with which it begins; position, velocity and acceleration stay what they
+    /// are. On the way the same target again changes nothing.
     ///
     /// # Errors
-    /// [`Refused`] in motion, for a target that is no position, and for a move of more than 2⁵³ cycles.
+    /// [`Refused`] for a target that is no position, for a move of more than 2⁵³ cycles, and in motion
+    /// [`on_whole_cycles`](Self::on_whole_cycles).
     pub fn set_target(&mut self, target: F) -> Result<(), Refused> {
-        if !self.is_done() {
-            return Err(Refused::InMotion { remaining_cycles: self.remaining_cycles() });
-        }
         let target = checked(target)?;
-        let start = self.target;
+        if !self.is_done() && target == self.target {
+            return Ok(());
+        }
+        let present = self.setpoint();
+        if present == (Setpoint { jerk: present.jerk, ..Setpoint::at_rest(present.position) }) {
+            self.depart(present.position, target)
+        } else if self.ending == Ending::OnWholeCycles {
+            Err(Refused::InMotion { remaining_cycles: self.remaining_cycles() })
+        } else {
+            self.divert(&present, target)
+        }
+    }
+
+    /// From rest.
+    fn depart(&mut self, start: F, target: F) -> Result<(), Refused> {
         let Some(shape) = self.shape_over(target.widen() - start.widen())? else {
-            self.shape = None;
+            self.go(None, Schedule::empty(), target, 0);
             return Ok(());
         };
-        let (schedule, end) = Schedule::of(&shape, self.cycle_time, start, target)
-            .ok_or_else(|| Refused::TooManyCycles { seconds: shape.duration() })?;
-        self.shape = Some(shape);
+        let laid = Schedule::of(&shape, self.cycle_time, start, target);
+        let (schedule, end) = laid.ok_or_else(|| Refused::TooManyCycles { seconds: shape.duration() })?;
+        self.go(Some(shape), schedule, target, end);
+        Ok(())
+    }
+
+    /// From motion.
+    fn divert(&mut self, present: &Setpoint<F>, target: F) -> Result<(), Refused> {
+        let transit =
+            self.transit(present, target).ok_or(Refused::TooManyCycles { seconds: f64::INFINITY })?;
+        let laid = Schedule::along(&transit, self.cycle_time, present.position, target);
+        let (schedule, end) = laid.ok_or_else(|| Refused::TooManyCycles { seconds: transit.duration() })?;
+        self.go(None, schedule, target, end);
+        Ok(())
+    }
+
+    fn go(&mut self, shape: Option<Shape>, schedule: Schedule<F>, target: F, end: u64) {
+        self.shape = shape;
         self.schedule = schedule;
         self.target = target;
         self.cycle = 0;
         self.end = end;
-        Ok(())
     }
 
     /// One cycle on: the setpoint for it. At the target it is the target, at rest, for ever.
@@ -290,23 +333,41 @@ impl<F: Real> Generator<F> {
         self.end - self.cycle
     }
 
-    /// Which of the six cases the move is, or was; `None` where there was nothing to go.
+    /// Which of the six cases the move is, or was; `None` where there was nothing to go, and for a move from motion.
     #[must_use]
     pub fn case(&self) -> Option<SixCase> {
         self.shape.map(|shape| shape.case)
     }
 
-    /// The move in closed form; `None` where there was nothing to go.
+    /// The move from rest in closed form; `None` where there was nothing to go, and for a move from motion.
     #[must_use]
     pub fn shape(&self) -> Option<&Shape> {
         self.shape.as_ref()
     }
 
+    /// The fastest motion from `present` to rest at `target`, in `f64` in either width, seen from the target.
+    ///
+    /// `None` where the velocity limit vanishes against the distance, so that it would take for ever.
+    fn transit(&self, present: &Setpoint<F>, target: F) -> Option<Transit> {
+        let AxisLimits { velocity, acceleration, jerk } = self.wide_limits();
+        let start = State {
+            position: present.position.widen() - target.widen(),
+            velocity: present.velocity.widen(),
+            acceleration: present.acceleration.widen(),
+        };
+        let bounds = Bounds::symmetric(velocity, acceleration, jerk).ok()?;
+        let transfer = Transfer::new(start, State::default(), bounds).ok()?;
+        plan_transfer(&transfer).ok()
+    }
+
+    fn wide_limits(&self) -> AxisLimits<f64> {
+        let AxisLimits { velocity, acceleration, jerk } = self.limits;
+        AxisLimits { velocity: velocity.widen(), acceleration: acceleration.widen(), jerk: jerk.widen() }
+    }
+
     /// The shape of a move, in `f64` in either width: it is solved once, and its times decide when a long move ends.
     fn shape_over(&self, distance: f64) -> Result<Option<Shape>, Refused> {
-        let AxisLimits { velocity, acceleration, jerk } = self.limits;
-        let wide =
-            AxisLimits { velocity: velocity.widen(), acceleration: acceleration.widen(), jerk: jerk.widen() };
+        let wide = self.wide_limits();
         let Some(fastest) = Shape::rest_to_rest(distance, &wide) else { return Ok(None) };
         match self.ending {
             Ending::Soonest => Ok(Some(fastest)),

@@ -5,10 +5,10 @@ use arrayvec::ArrayVec;
 use super::real::Real;
 use super::shape::{Shape, seen_from_the_end};
 use super::{AxisLimits, Setpoint};
-use crate::{CycleTime, LAST_CYCLE, State};
+use crate::{CycleTime, LAST_CYCLE, MAX_TRANSIT_PIECES, State, Transit};
 
-/// Four pieces to the middle and four from it.
-const MAX_STRETCHES: usize = 8;
+/// Of a move from rest four pieces to the middle and four from it; of one from motion all its pieces.
+const MAX_STRETCHES: usize = MAX_TRANSIT_PIECES;
 
 /// Of t_j, in the width of the generator \[1\]: a joint this little after a cycle is on it. Limits that were rounded to that
 /// width move the joints by about as much, and the acceleration is off by as little of its peak: 0.003 / 0.0001 is
@@ -104,8 +104,8 @@ impl<F: Real> Schedule<F> {
     ///            ┊                   T/2                   T
     /// ```
     pub(super) fn of(shape: &Shape, cycle: CycleTime, start: F, target: F) -> Option<(Self, u64)> {
-        let seconds_to_cycles = |seconds: f64| seconds * 1e9 / cycle.as_ns() as f64;
-        let cycles_to_seconds = |cycles: f64| cycles * cycle.as_ns() as f64 / 1e9;
+        let seconds_to_cycles = |seconds| seconds_to_cycles(seconds, cycle);
+        let cycles_to_seconds = |cycles| cycles_to_seconds(cycles, cycle);
         let jerk_cycles = seconds_to_cycles(shape.jerk_time);
         let slack = |cycles: f64| LIMIT_SLACK * F::EPSILON * jerk_cycles + TIME_SLACK * cycles;
 
@@ -151,6 +151,44 @@ impl<F: Real> Schedule<F> {
         Some((Self { stretches, due: 0 }, end as u64))
     }
 
+    /// Lays a motion that leads from any state at `start` to rest at `target` over cycles; `transit` has its positions relative to
+    /// the target. Returns the cycle at which it has ended, too; `None` where that cannot be counted.
+    ///
+    /// There are no halves that mirror each other here, but the same holds: what is nearer to the start is told from there, the rest
+    /// from the target, from the last cycle of its piece backwards, so that the approach has the digits of what is left to go.
+    pub(super) fn along(transit: &Transit, cycle: CycleTime, start: F, target: F) -> Option<(Self, u64)> {
+        let slack = |cycles: f64| TIME_SLACK * cycles;
+        let total = seconds_to_cycles(transit.duration(), cycle);
+        let end = libm::ceil(total - slack(total));
+        if end > LAST_CYCLE as f64 {
+            return None;
+        }
+        let end = end.max(1.0);
+        let behind = transit.start().position;
+
+        let mut stretches = ArrayVec::new();
+        let (mut begin, mut from) = (0.0, 0.0);
+        for piece in transit.pieces() {
+            let next = begin + piece.duration;
+            let joint = seconds_to_cycles(next, cycle);
+            let until = libm::ceil(joint - slack(joint)).min(end);
+            if from < until {
+                let at =
+                    |anchor: f64| piece.start.after(piece.jerk, cycles_to_seconds(anchor, cycle) - begin);
+                let (first, last) = (at(from), at(until - 1.0));
+                stretches.push(if (first.position - behind).abs() < first.position.abs() {
+                    let first = State { position: first.position - behind, ..first };
+                    Stretch::new(until as u64, from as u64, start, first, piece.jerk)
+                } else {
+                    Stretch::new(until as u64, until as u64 - 1, target, last, piece.jerk)
+                });
+                from = until;
+            }
+            begin = next;
+        }
+        Some((Self { stretches, due: 0 }, end as u64))
+    }
+
     /// Goes on to `cycle`, the one after the present one.
     #[inline]
     pub(super) fn advance(&mut self, cycle: u64) {
@@ -165,4 +203,12 @@ impl<F: Real> Schedule<F> {
     pub(super) fn at(&self, cycle: u64, cycle_time: F, limits: &AxisLimits<F>) -> Option<Setpoint<F>> {
         self.stretches.get(self.due).map(|stretch| stretch.at(cycle, cycle_time, limits))
     }
+}
+
+fn seconds_to_cycles(seconds: f64, cycle: CycleTime) -> f64 {
+    seconds * 1e9 / cycle.as_ns() as f64
+}
+
+fn cycles_to_seconds(cycles: f64, cycle: CycleTime) -> f64 {
+    cycles * cycle.as_ns() as f64 / 1e9
 }
