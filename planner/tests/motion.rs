@@ -465,7 +465,7 @@ fn a_line_that_ends_at_speed_stops_on_it() {
     }
 }
 
-/// Until there is re-timing.
+/// A hold keeps them on their path, a stop does not.
 #[test]
 fn axes_that_arrive_together_stop_each_by_itself() {
     let two = opening(&[(0.0, State::at_rest(0.4), limits()), (1.0, State::at_rest(-1.0), limits())]).plan();
@@ -475,13 +475,14 @@ fn axes_that_arrive_together_stop_each_by_itself() {
     let motion = Motion::open(Judged::new(plan).accepted().unwrap()).unwrap();
     let stopped = after(&motion, 300, &Operation::Stop);
     assert!(!stopped.on_path && stopped.motion.state(1, stopped.rest_cycle).is_at_rest());
-    for operation in [Operation::Hold, factor(0.5), retarget("x", State::at_rest(0.1))] {
-        assert_eq!(
-            refusal(&motion, 300, &operation),
-            "hold, resume, override and retarget of axes that arrive together, or go through points is not implemented: \
-             stop, or plan with SYNCHRONIZATION_NONE or SYNCHRONIZATION_PHASE"
-        );
+    for operation in [Operation::Hold, factor(0.5)] {
+        assert!(after(&motion, 300, &operation).on_path);
     }
+    assert_eq!(
+        refusal(&motion, 300, &retarget("x", State::at_rest(0.1))),
+        "new goals for axes that arrive together, or go through points is not implemented: stop and open a stream with a new plan, \
+         or plan with SYNCHRONIZATION_NONE or SYNCHRONIZATION_PHASE"
+    );
     assert!(motion.splice(motion.last_cycle(), &Operation::Hold).is_ok());
 }
 
@@ -506,7 +507,9 @@ fn points_are_a_path() {
     });
     let plan = plan_pvt(&request.unwrap()).unwrap().plan().clone();
     let motion = Motion::open(Judged::new(plan).accepted().unwrap()).unwrap();
-    assert!(refusal(&motion, 300, &Operation::Hold).contains("go through points is not implemented"));
+    let held = after(&motion, 300, &Operation::Hold);
+    assert!(held.on_path && held.motion.base_time().is_some());
+    assert!(refusal(&motion, 300, &retarget("x", State::at_rest(0.15))).contains("is not implemented"));
     let stopped = after(&motion, 300, &Operation::Stop);
     assert!(!stopped.on_path && stopped.motion.plan().method().pvt.is_none());
     assert!(stopped.motion.state(0, stopped.rest_cycle).is_at_rest());
@@ -522,6 +525,7 @@ fn parts_that_do_not_make_a_motion_are_refused() {
         factor: held.factor(),
         phase: held.phase(),
         base: held.base().cloned(),
+        base_time: held.base_time().cloned(),
         closing_from_cycle: held.closing_from_cycle(),
     };
     assert_eq!(Motion::try_from(parts()).unwrap(), held);
@@ -568,6 +572,7 @@ fn a_motion_is_all_that_an_operation_needs() {
         factor: slowed.factor(),
         phase: slowed.phase(),
         base: slowed.base().cloned(),
+        base_time: slowed.base_time().cloned(),
         closing_from_cycle: slowed.closing_from_cycle(),
     };
     let elsewhere = Motion::try_from(parts).unwrap();

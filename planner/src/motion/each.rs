@@ -10,7 +10,9 @@ use super::prove::{Objection, Proved, prove};
 use crate::error::Field;
 use crate::float::largest;
 use crate::verify::{EndCheck, JoinCheck, Violation};
-use crate::{AxisPlan, Classification, Family, InvalidFields, Law, Plan, Profile, Rejection, Segment, State};
+use crate::{
+    AxisPlan, Classification, Family, InvalidFields, Law, Plan, Profile, Quantity, Rejection, Segment, State,
+};
 
 /// Of a duration \[1\]: a motion that rests this much later than the fastest stop is one, but for roundings.
 pub(super) const AS_FAST: f64 = 1e-9;
@@ -194,9 +196,9 @@ pub(super) fn axis_plan(
     }
 }
 
-/// What is left of a profile from `at` on; none where that is not of constant jerk, or its acceleration may jump.
+/// What is left of a profile from `at` on; none where that is not of constant jerk, its acceleration may jump, or it keeps no limits.
 fn rest_of(plan: &Plan, profile: &Profile, at: f64) -> Option<Profile> {
-    if plan.method().family != Family::SCurve {
+    if plan.method().family != Family::SCurve || !plan.guarantees(Quantity::Acceleration) {
         return None;
     }
     let mut segments = Vec::new();

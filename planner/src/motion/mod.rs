@@ -22,7 +22,8 @@
 //! - **Stop** comes to rest and forgets the rest.
 //!
 //! An axis by itself, and axes that were planned without synchronization, are planned anew one by one; axes on a straight line as one motion
-//! along it, so that they stay on it. A goal that is passed at speed is followed by a closing stop.
+//! along it, so that they stay on it. On any other path, of axes that arrive together or go through points, the path's time is slowed, held
+//! and resumed ([`retime`](crate::retime)); a stop lets each axis stop fastest there, and says so. A goal that is passed at speed is followed by a closing stop.
 //!
 //! What a motion begins beyond, since limits were lowered, it is led back from as fast as can be. It cannot be held to those limits until it
 //! is; so its plan states them as wide as is inevitable, [`Spliced::beyond`] says so, and [`Motion::base`] keeps what was asked for. So
@@ -55,6 +56,7 @@ mod factor;
 mod leg;
 mod line;
 mod passing;
+mod path;
 mod prove;
 mod refused;
 mod retarget;
@@ -65,7 +67,7 @@ use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidFields, Why};
 use crate::{
-    Accepted, AxisPlan, Judged, LAST_CYCLE, Limits, Plan, Profile, Setpoint, State, Synchronization,
+    Accepted, AxisPlan, Judged, LAST_CYCLE, Limits, Plan, Profile, Setpoint, State, Synchronization, TimeLaw,
 };
 use errand::{Errand, UnderWay, binds, has_passed};
 pub use factor::Override;
@@ -83,6 +85,8 @@ pub struct Motion {
     factor: Override,
     phase: Phase,
     base: Option<Arc<Accepted>>,
+    /// How time goes on in the base, where that is a path that is re-timed.
+    law: Option<Arc<TimeLaw>>,
     closing_from_cycle: Option<u64>,
 }
 
@@ -159,6 +163,8 @@ pub struct MotionParts {
     pub phase: Phase,
     /// What is to be gone on with, where that is not the plan itself: see [`Motion::base`].
     pub base: Option<Accepted>,
+    /// How time goes on in the base, from `from_cycle` on, where that is a path that is re-timed: see [`Motion::base_time`].
+    pub base_time: Option<TimeLaw>,
     /// The cycle at which the closing stop begins.
     pub closing_from_cycle: Option<u64>,
 }
@@ -177,6 +183,7 @@ impl Motion {
             factor: Override::FULL,
             phase: Phase::Moving,
             base: None,
+            law: None,
             closing_from_cycle,
         };
         let closed = match Kind::of(plan.plan()) {
@@ -237,6 +244,13 @@ impl Motion {
         self.base.as_deref()
     }
 
+    /// Of a motion that keeps to a path that is no straight line, and was held or slowed: path time of the base as a function of time,
+    /// which is zero at [`from_cycle`](Self::from_cycle).
+    #[must_use]
+    pub fn base_time(&self) -> Option<&TimeLaw> {
+        self.law.as_deref()
+    }
+
     /// The cycle at which the closing stop of a motion that passes its goal at speed begins.
     #[must_use]
     pub fn closing_from_cycle(&self) -> Option<u64> {
@@ -286,7 +300,8 @@ impl Motion {
             (Phase::Finished, _) => Err(Refused::StreamFinished),
             (Phase::Stopping, _) => Err(Refused::Stopped { rest_cycle: self.last_cycle() }),
             (Phase::Standstill, Operation::Stop) => {
-                Ok(self.noted(at_cycle, Self { phase: Phase::Finished, base: None, ..self.clone() }))
+                Ok(self
+                    .noted(at_cycle, Self { phase: Phase::Finished, base: None, law: None, ..self.clone() }))
             }
             (Phase::Moving | Phase::Holding, Operation::Stop) => self.stop(at_cycle),
             (Phase::Moving | Phase::Standstill, Operation::Hold) => {
@@ -312,6 +327,9 @@ impl Motion {
         match phase {
             Phase::Moving if factor.rests() => self.rest(at_cycle, phase, factor),
             Phase::Moving if self.is_paused() => self.go_on(at_cycle, factor),
+            Phase::Moving if self.keeps_a_path() => {
+                self.at_rate(at_cycle, factor.get(), Self { factor, ..self.clone() })
+            }
             Phase::Moving => {
                 let (at, aims) = (self.time_of(at_cycle), self.aims(at_cycle));
                 let axes = self.plan().axes().iter().zip(&aims);
@@ -330,6 +348,10 @@ impl Motion {
 
     /// Goes on from rest, or from the way to it, to what is held.
     fn go_on(&self, at_cycle: u64, factor: Override) -> Result<Spliced, Refused> {
+        if self.keeps_a_path() {
+            let motion = Self { factor, phase: Phase::Moving, ..self.clone() };
+            return self.at_rate(at_cycle, factor.get(), motion);
+        }
         let aims = self.aims(at_cycle);
         let kept = alloc::vec![false; aims.len()];
         self.go(at_cycle, &aims, factor, Turning::Avoided, &kept)
@@ -358,6 +380,9 @@ impl Motion {
 
     /// Comes to rest with something to go on with.
     fn rest(&self, at_cycle: u64, phase: Phase, factor: Override) -> Result<Spliced, Refused> {
+        if self.keeps_a_path() {
+            return self.at_rate(at_cycle, 0.0, Self { factor, phase, ..self.clone() });
+        }
         let aims = self.aims(at_cycle);
         let base = match &self.base {
             _ if self.has_passed_any(at_cycle) => Arc::new(aimed(self.plan(), &aims)?),
@@ -372,7 +397,7 @@ impl Motion {
     }
 
     fn stop(&self, at_cycle: u64) -> Result<Spliced, Refused> {
-        let motion = Self { phase: Phase::Stopping, base: None, ..self.clone() };
+        let motion = Self { phase: Phase::Stopping, base: None, law: None, ..self.clone() };
         if self.rests_by(at_cycle) {
             return Ok(self.noted(at_cycle, motion));
         }
@@ -404,8 +429,8 @@ impl Motion {
             Kind::Each => each::planned(under_way),
             Kind::Line => line::planned(under_way, self.asked()),
             Kind::Path => Err(Refused::not_implemented(
-                "hold, resume, override and retarget of axes that arrive together, or go through points",
-                "stop, or plan with SYNCHRONIZATION_NONE or SYNCHRONIZATION_PHASE",
+                "new goals for axes that arrive together, or go through points",
+                "stop and open a stream with a new plan, or plan with SYNCHRONIZATION_NONE or SYNCHRONIZATION_PHASE",
             )),
         }
     }
@@ -517,7 +542,8 @@ impl TryFrom<MotionParts> for Motion {
     type Error = InvalidMotion;
 
     fn try_from(parts: MotionParts) -> Result<Self, InvalidMotion> {
-        let MotionParts { revision, from_cycle, plan, factor, phase, base, closing_from_cycle } = parts;
+        let MotionParts { revision, from_cycle, plan, factor, phase, base, base_time, closing_from_cycle } =
+            parts;
         let at_speed = plan.plan().axes().iter().find(|axis| !axis.profile.end().is_at_rest());
         if let Some(axis) = at_speed {
             let velocity = axis.profile.end().velocity;
@@ -532,11 +558,17 @@ impl TryFrom<MotionParts> for Motion {
         if base.as_ref().is_some_and(|base| !same_axes(base.plan(), plan.plan())) {
             return Err(InvalidMotion::BaseDiffers);
         }
+        if let Some(law) = &base_time {
+            let base = base.as_ref().ok_or(InvalidMotion::BaseTimeAlone)?;
+            if !path::follows(plan.plan(), base.plan(), law) {
+                return Err(InvalidMotion::OffBase);
+            }
+        }
         if let Some(given) = closing_from_cycle.filter(|given| !(from_cycle..=last).contains(given)) {
             return Err(InvalidMotion::ClosingOutside { given, first: from_cycle, last });
         }
-        let (plan, base) = (Arc::new(plan), base.map(Arc::new));
-        Ok(Self { revision, from_cycle, plan, factor, phase, base, closing_from_cycle })
+        let (plan, base, law) = (Arc::new(plan), base.map(Arc::new), base_time.map(Arc::new));
+        Ok(Self { revision, from_cycle, plan, factor, phase, base, law, closing_from_cycle })
     }
 }
 

@@ -116,6 +116,14 @@ pub enum InvalidMotion {
         "base: is a plan of other axes or another cycle time than plan: give the plan that is to be gone on with"
     )]
     BaseDiffers,
+    /// A law of time needs the path whose time it is.
+    #[error("base_time: is set, and base is not: give the plan whose time it is, or leave it empty")]
+    BaseTimeAlone,
+    /// The parts contradict each other.
+    #[error(
+        "base_time: plan does not begin or end where base is under it: give the plan, base and base_time of one revision"
+    )]
+    OffBase,
     /// A stop that begins outside of its plan.
     #[error("closing_from_cycle is {given}: a closing stop begins in the plan, from cycle {first} to {last}")]
     ClosingOutside {

@@ -67,6 +67,18 @@ impl TimeLaw {
         self.profile.at(t).state
     }
 
+    /// When path time first comes to `path_time` \[s\]; `None` where it comes to rest, or the law ends, before.
+    pub(crate) fn reaches(&self, path_time: f64) -> Option<f64> {
+        for (begin, segment) in self.profile.timed_segments() {
+            let Law::ConstantJerk(third) = segment.law else { continue };
+            if segment.end().position >= path_time {
+                let span = Span { duration: segment.duration, start: segment.start, third };
+                return Some(begin + upto(&span, path_time).duration);
+            }
+        }
+        None
+    }
+
     /// The spans of a course up to path time `end`; where there is none, `cycle` seconds of what it leads to.
     pub(super) fn cut(course: &Course, end: f64, cycle: f64) -> Self {
         let mut segments = Vec::with_capacity(course.law.len());
