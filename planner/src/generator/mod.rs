@@ -14,7 +14,7 @@
 //!
 //! A [`Generator`] knows its limits, its cycle and where it is. [`set_target`](Generator::set_target) solves the move: from rest in
 //! closed form ([`Shape`], six cases), on the way as the fastest motion from the state of that cycle
-//! ([`plan_transfer`](crate::plan_transfer)), which overshoots and turns back where that is faster. Either takes a few hundred
+//! ([`plan_transfer`]), which overshoots and turns back where that is faster. Either takes a few hundred
 //! nanoseconds. Each [`step`](Generator::step) then evaluates one cubic. Nothing comes from the heap, and nothing is added up
 //! from cycle to cycle: a setpoint depends on the move and the number of its cycle alone.
 //!
