@@ -56,9 +56,14 @@ impl Derivatives {
         if given.is_empty() || given.len() > MOST {
             return None;
         }
+        Some(Self::kept(given))
+    }
+
+    /// Those of a piece that was one of these before.
+    pub(crate) fn kept(given: &[f64]) -> Self {
         let mut values = [0.0; MOST];
         values[..given.len()].copy_from_slice(given);
-        Some(Self { values, count: given.len() as u8 })
+        Self { values, count: given.len() as u8 }
     }
 
     /// Jerk and what is above it, of which everything above `order` is zero.
@@ -100,33 +105,6 @@ impl Derivatives {
         Self { values: self.values.map(|value| value + 0.0), ..self }
     }
 
-    /// Horner's scheme for all four words at once, highest derivative first, in this order and without fused multiply-add:
-    ///
-    /// ```text
-    /// p(t) = p + t·(v + t/2·(a + t/3·(j + t/4·(…))))      v(t) = v + t·(a + t/2·(j + t/3·(…)))      …
-    /// ```
-    // Apart, so that the S-curve's few operations stay small where they are inlined.
-    #[inline(never)]
-    pub(crate) fn setpoint(&self, start: &State, t: f64) -> Setpoint {
-        let (jerk, above) = (self.values[0], &self.as_slice()[1..]);
-        // What each word gets from above jerk, already times t.
-        let (mut position, mut velocity, mut acceleration, mut change) = (0.0, 0.0, 0.0, 0.0);
-        for (index, &value) in above.iter().enumerate().rev() {
-            position = t * RECIPROCAL[index + 4] * (value + position);
-            velocity = t * RECIPROCAL[index + 3] * (value + velocity);
-            acceleration = t * RECIPROCAL[index + 2] * (value + acceleration);
-            change = t * RECIPROCAL[index + 1] * (value + change);
-        }
-        let (half, third) = (t * RECIPROCAL[2], t * RECIPROCAL[3]);
-        let state = State {
-            position: start.position
-                + t * (start.velocity + half * (start.acceleration + third * (jerk + position))),
-            velocity: start.velocity + t * (start.acceleration + half * (jerk + velocity)),
-            acceleration: start.acceleration + t * (jerk + acceleration),
-        };
-        Setpoint { state, jerk: jerk + change }
-    }
-
     /// Snap and the derivatives above it at `t`, as many as `all` has room for.
     pub(crate) fn higher(&self, t: f64, all: &mut [f64]) {
         for (value, order) in all.iter_mut().zip(4..=self.order()) {
@@ -166,6 +144,35 @@ impl Derivatives {
         }
         zeros
     }
+}
+
+/// What a piece commands `t` seconds after its `start`; `values` are its jerk, snap … there.
+///
+/// Horner's scheme for all four words at once, highest derivative first, in this order and without fused multiply-add:
+///
+/// ```text
+/// p(t) = p + t·(v + t/2·(a + t/3·(j + t/4·(…))))      v(t) = v + t·(a + t/2·(j + t/3·(…)))      …
+/// ```
+// Apart, so that the S-curve's few operations stay small where they are inlined.
+#[inline(never)]
+pub(crate) fn setpoint(values: &[f64], start: &State, t: f64) -> Setpoint {
+    let (jerk, above) = values.split_first().map_or((0.0, values), |(jerk, above)| (*jerk, above));
+    // What each word gets from above jerk, already times t.
+    let (mut position, mut velocity, mut acceleration, mut change) = (0.0, 0.0, 0.0, 0.0);
+    for (index, &value) in above.iter().enumerate().rev() {
+        position = t * RECIPROCAL[index + 4] * (value + position);
+        velocity = t * RECIPROCAL[index + 3] * (value + velocity);
+        acceleration = t * RECIPROCAL[index + 2] * (value + acceleration);
+        change = t * RECIPROCAL[index + 1] * (value + change);
+    }
+    let (half, third) = (t * RECIPROCAL[2], t * RECIPROCAL[3]);
+    let state = State {
+        position: start.position
+            + t * (start.velocity + half * (start.acceleration + third * (jerk + position))),
+        velocity: start.velocity + t * (start.acceleration + half * (jerk + velocity)),
+        acceleration: start.acceleration + t * (jerk + acceleration),
+    };
+    Setpoint { state, jerk: jerk + change }
 }
 
 /// `values[0] + t·(values[1] + t/2·(values[2] + …))`.

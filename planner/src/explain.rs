@@ -47,7 +47,7 @@ pub fn explain(plan: &Plan) -> Explanation {
 fn bindings(axis: &AxisPlan) -> Vec<Binding> {
     let mut bindings: Vec<Binding> = Vec::new();
     for (from_time, segment) in axis.profile.timed_segments() {
-        let Some(quantity) = binding(segment, &axis.limits) else { continue };
+        let Some(quantity) = binding(&segment, &axis.limits) else { continue };
         let to_time = from_time + segment.duration;
         // A piece so late and so short that its times do not differ held nothing back.
         if to_time <= from_time {

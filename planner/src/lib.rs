@@ -136,6 +136,7 @@ mod request;
 mod retime;
 mod roots;
 mod segment;
+mod segments;
 mod short_path;
 mod shortest;
 mod solve;
@@ -167,6 +168,7 @@ pub use request::{
 };
 pub use retime::{RetimeError, Retiming, TimeLaw, greatest_factor, retime};
 pub use segment::{Law, MAX_TURNING_POINTS, Segment, Setpoint};
+pub use segments::{Segments, SegmentsIter};
 pub use short_path::ShortPathPolicy;
 pub use shortest::Shortest;
 pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_stop, plan_trapezoid};

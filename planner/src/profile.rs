@@ -1,5 +1,6 @@
 use alloc::vec::Vec;
 
+use crate::segments::{Pieces, Segments};
 use crate::{Segment, Setpoint, State};
 
 /// One axis's motion: segments that follow each other from time zero, and the state in which it rests or drifts after.
@@ -7,7 +8,7 @@ use crate::{Segment, Setpoint, State};
 /// Whether the segments join, and whether they keep any limit, is for [`violations`](crate::violations) to say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    segments: Vec<Segment>,
+    pieces: Pieces,
     /// When each segment begins \[s\]: the running sum of the durations, in order.
     begins: Vec<f64>,
     duration: f64,
@@ -17,28 +18,41 @@ pub struct Profile {
 impl Profile {
     /// The motion through `segments`, which ends in exactly `end`.
     #[must_use]
-    pub fn new(segments: Vec<Segment>, end: State) -> Self {
+    pub fn new(segments: impl IntoIterator<Item = Segment>, end: State) -> Self {
+        Self::of_pieces(segments.into_iter().collect(), end)
+    }
+
+    pub(crate) fn of_pieces(pieces: Pieces, end: State) -> Self {
         let mut duration = 0.0;
-        let begins = segments
-            .iter()
-            .map(|segment| {
-                let begin = duration;
-                duration += segment.duration;
-                begin
-            })
-            .collect();
-        Self { segments, begins, duration, end }
+        let mut begins = Vec::with_capacity(pieces.len());
+        for length in (0..pieces.len()).filter_map(|index| pieces.duration(index)) {
+            begins.push(duration);
+            duration += length;
+        }
+        Self { pieces, begins, duration, end }
     }
 
     /// The pieces, in order; none where nothing moves.
     #[must_use]
-    pub fn segments(&self) -> &[Segment] {
-        &self.segments
+    #[inline]
+    pub fn segments(&self) -> Segments<'_> {
+        Segments::of(&self.pieces)
+    }
+
+    /// Piece number `index`, which there is.
+    #[inline]
+    pub(crate) fn segment(&self, index: usize) -> Segment {
+        self.pieces.segment(index)
     }
 
     /// Each piece with the time at which it begins \[s\].
-    pub fn timed_segments(&self) -> impl Iterator<Item = (f64, &Segment)> {
-        self.begins.iter().copied().zip(&self.segments)
+    pub fn timed_segments(&self) -> impl Iterator<Item = (f64, Segment)> {
+        self.begins.iter().copied().zip(self.segments())
+    }
+
+    /// The state at each join, from that before the motion to that after it.
+    pub(crate) fn joins(&self) -> impl Iterator<Item = State> {
+        (0..self.pieces.len()).filter_map(|index| self.pieces.start(index)).chain([self.end])
     }
 
     /// How long the motion lasts \[s\].
@@ -50,7 +64,7 @@ impl Profile {
     /// The state before the motion.
     #[must_use]
     pub fn start(&self) -> State {
-        self.segments.first().map_or(self.end, |first| first.start)
+        self.pieces.start(0).unwrap_or(self.end)
     }
 
     /// The state at the end, exactly.
@@ -70,19 +84,18 @@ impl Profile {
     /// `factorᵏ`, so that whatever limit was kept still is.
     #[must_use]
     pub fn slowed(&self, factor: f64) -> Self {
-        let slowed = |segment: &Segment| segment.slowed(factor);
-        Self::new(self.segments.iter().map(slowed).collect(), self.end)
+        Self::new(self.segments().iter().map(|segment| segment.slowed(factor)), self.end)
     }
 
     /// The same motion, lasting `duration` \[s\], of which it is some roundings short or long.
     pub(crate) fn lasting(self, duration: f64) -> Self {
-        let Self { mut segments, end, .. } = self;
-        let mut durations: Vec<f64> = segments.iter().map(|segment| segment.duration).collect();
+        let Self { mut pieces, end, .. } = self;
+        let mut durations: Vec<f64> = (0..pieces.len()).filter_map(|index| pieces.duration(index)).collect();
         add_up(&mut durations, duration);
-        for (segment, duration) in segments.iter_mut().zip(durations) {
-            segment.duration = duration;
+        for (index, duration) in durations.into_iter().enumerate() {
+            pieces.set_duration(index, duration);
         }
-        Self::new(segments, end)
+        Self::of_pieces(pieces, end)
     }
 
     /// When the axis turns back \[s\]: each instant at which the velocity changes its sign, in order.
@@ -94,7 +107,7 @@ impl Profile {
     ///     start: State { position: 0.0, velocity: 4.0, acceleration: -4.0 },
     ///     law: Law::ConstantJerk(0.0),
     /// };
-    /// assert_eq!(Profile::new(vec![throw], throw.end()).reversals().collect::<Vec<_>>(), [1.0]);
+    /// assert_eq!(Profile::new([throw], throw.end()).reversals().collect::<Vec<_>>(), [1.0]);
     /// ```
     pub fn reversals(&self) -> impl Iterator<Item = f64> {
         let mut sign = 0.0;
@@ -121,7 +134,7 @@ impl Profile {
         // Also for NaN: at the end.
         let inside = t < self.duration && !self.begins.is_empty();
         if !inside {
-            return (self.segments.len(), 0.0);
+            return (self.pieces.len(), 0.0);
         }
         let index = self.begins.partition_point(|&begin| begin <= t).saturating_sub(1);
         (index, t - self.begins[index])
@@ -138,9 +151,7 @@ impl Profile {
     /// The same motion with `more` after it.
     #[must_use]
     pub fn followed_by(&self, more: &Profile) -> Self {
-        let mut segments = self.segments.clone();
-        segments.extend_from_slice(&more.segments);
-        Self::new(segments, more.end)
+        Self::new(self.segments().iter().chain(more.segments()), more.end)
     }
 }
 
@@ -173,7 +184,7 @@ impl<'a> Cursor<'a> {
     /// As [`Profile::at`].
     #[inline]
     pub fn at(&mut self, t: f64) -> Setpoint {
-        let Profile { segments, begins, duration, end } = self.profile;
+        let Profile { pieces, begins, duration, end } = self.profile;
         // Also for NaN: nothing moves.
         let inside = t < *duration;
         if !inside {
@@ -190,6 +201,6 @@ impl<'a> Cursor<'a> {
                 self.index = begins.partition_point(|&begin| begin <= t) - 1;
             }
         }
-        segments[self.index].at(t - begins[self.index])
+        pieces.at(self.index, t - begins[self.index])
     }
 }

@@ -1,6 +1,6 @@
 use arrayvec::ArrayVec;
 
-use crate::derivatives::{Derivatives, MAX_DEGREE};
+use crate::derivatives::{Derivatives, MAX_DEGREE, setpoint};
 use crate::roots::{linear, quadratic, sign_change};
 use crate::{MAX_ORDER, State, cosine};
 
@@ -87,7 +87,7 @@ impl Segment {
     pub fn at(&self, t: f64) -> Setpoint {
         match &self.law {
             Law::ConstantJerk(jerk) => Setpoint { state: self.start.after(*jerk, t), jerk: *jerk },
-            Law::Polynomial(derivatives) => derivatives.setpoint(&self.start, t),
+            Law::Polynomial(derivatives) => setpoint(derivatives.as_slice(), &self.start, t),
             Law::CosineJerk { peak } => cosine::setpoint(&self.start, *peak, self.duration, t),
         }
     }

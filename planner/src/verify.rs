@@ -276,7 +276,7 @@ impl Certificate {
             self.limits.push(check);
         }
 
-        let last = profile.segments().last().map_or(profile.end(), Segment::end);
+        let last = profile.segments().last().map_or(profile.end(), |last| last.end());
         let (last, end, goal) = (parts(&last), parts(&profile.end()), parts(&goal));
         for order in 0..=highest_joined {
             let (axis, quantity, allowed) = (axis, Quantity::BY_ORDER[order], allowed[order]);
@@ -318,10 +318,10 @@ impl Jumps {
         let mut still = [0.0; MAX_ORDER + 1];
         let mut end = None;
         for (time, segment) in profile.timed_segments() {
-            let start = derivatives(segment, 0.0, highest);
+            let start = derivatives(&segment, 0.0, highest);
             let lowest = if end.is_none() { 3 } else { 0 };
             jumps.see(lowest, highest, end.as_ref().unwrap_or(&still), &start, time);
-            end = Some(derivatives(segment, segment.duration, highest));
+            end = Some(derivatives(&segment, segment.duration, highest));
         }
         if let Some(end) = end {
             still[2] = profile.end().acceleration;
@@ -352,8 +352,7 @@ impl Jumps {
 
 /// The fastest at the start, at the end and where pieces meet: what tells a speed from a rounded zero.
 fn fastest_join(profile: &Profile) -> f64 {
-    let begins = profile.segments().iter().map(|segment| segment.start.velocity.abs());
-    begins.fold(profile.end().velocity.abs(), f64::max)
+    profile.joins().map(|state| state.velocity.abs()).fold(0.0, f64::max)
 }
 
 /// The derivatives at `t`, those above jerk only where they are asked for.
@@ -430,7 +429,7 @@ impl Extremes {
             hardest: [0.0; MAX_ORDER + 1],
         };
         for (begin, segment) in profile.timed_segments() {
-            extremes.see_segment(begin, segment, limits, highest);
+            extremes.see_segment(begin, &segment, limits, highest);
         }
         if profile.segments().is_empty() {
             extremes.see_setpoint(0.0, Setpoint::held(start), start.velocity, limits);

@@ -155,11 +155,11 @@ proptest! {
         let turned: Vec<Segment> = mirrored
             .segments()
             .iter()
-            .map(|&Segment { duration, start, law }| Segment {
+            .map(|Segment { duration, start, law }| Segment {
                 duration, start: start.mirrored(), law: law.mirrored(),
             })
             .collect();
-        prop_assert_eq!(ours.segments(), turned);
+        prop_assert_eq!(ours.segments().to_vec(), turned);
     }
 
     #[test]

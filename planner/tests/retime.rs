@@ -262,9 +262,9 @@ fn mirrored(plan: &Plan) -> Plan {
         let segments = axis.profile.segments().iter().map(|segment| Segment {
             start: segment.start.mirrored(),
             law: segment.law.mirrored(),
-            ..*segment
+            ..segment
         });
-        let profile = Profile::new(segments.collect(), axis.profile.end().mirrored());
+        let profile = Profile::new(segments, axis.profile.end().mirrored());
         AxisPlan { limits: limits.try_into().unwrap(), goal: profile.end(), profile, ..axis.clone() }
     });
     Plan::new(plan.method(), plan.guaranteed().to_vec(), plan.cycle_time(), axes.collect()).unwrap()
@@ -298,9 +298,9 @@ fn scaled(plan: &Plan, unit: f64) -> Plan {
                 }
                 law => law,
             };
-            Segment { start: larger(segment.start), law, ..*segment }
+            Segment { start: larger(segment.start), law, ..segment }
         });
-        let profile = Profile::new(segments.collect(), larger(axis.profile.end()));
+        let profile = Profile::new(segments, larger(axis.profile.end()));
         AxisPlan { limits: limits.try_into().unwrap(), goal: profile.end(), profile, ..axis.clone() }
     });
     Plan::new(plan.method(), plan.guaranteed().to_vec(), plan.cycle_time(), axes.collect()).unwrap()
@@ -334,7 +334,7 @@ fn the_composition_is_the_chain_rule() {
             for (axis, path) in retimed.plan().plan().axes().iter().zip(base.axes()) {
                 let jerk_scale = path.profile.segments().iter().map(|it| it.at(0.0).jerk.abs());
                 let jerk_scale = jerk_scale.fold(path.limits.jerk(), f64::max);
-                let lasting = |(_, segment): &(f64, &Segment)| segment.duration > 1e-9 * base.duration();
+                let lasting = |(_, segment): &(f64, Segment)| segment.duration > 1e-9 * base.duration();
                 for (begin, segment) in axis.profile.timed_segments().filter(lasting) {
                     // Away from the joins of either, where the jerk has two values.
                     for part in [0.2, 0.5, 0.8] {

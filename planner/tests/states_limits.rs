@@ -269,7 +269,8 @@ fn the_judge_objects() {
             at = segment.end();
             segment
         });
-        let profile = Profile::new(segments.collect(), at);
+        let segments: Vec<_> = segments.collect();
+        let profile = Profile::new(segments, at);
         let objections = |profile: &Profile, goal: State| -> Vec<Quantity> {
             let found = transfer_violations(profile, &bounds, goal);
             let of = |violation: &Violation| match violation {

@@ -211,7 +211,7 @@ fn draw(
     let end = profile.duration();
     let (mut position, mut velocity, mut acceleration, mut jerk) = (vec![], vec![], vec![], vec![]);
     for (begin, segment) in profile.timed_segments() {
-        for (time, setpoint) in samples(segment) {
+        for (time, setpoint) in samples(&segment) {
             let Setpoint { state, jerk: rate } = setpoint;
             position.push([begin + time, state.position]);
             velocity.push([begin + time, state.velocity]);

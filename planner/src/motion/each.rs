@@ -205,7 +205,7 @@ fn rest_of(plan: &Plan, profile: &Profile, at: f64) -> Option<Profile> {
     for (begin, segment) in profile.timed_segments() {
         let duration = begin + segment.duration - at;
         if at <= begin {
-            segments.push(*segment);
+            segments.push(segment);
         } else if duration > 0.0 {
             segments.push(Segment { duration, start: state_at(profile, at), law: segment.law });
         }

@@ -427,6 +427,6 @@ impl Course {
             Segment { duration: segment.duration, start, law }
         });
         let end = if closing.is_some() { state(profile.end()) } else { passed };
-        Profile::new(segments.collect(), end)
+        Profile::new(segments, end)
     }
 }

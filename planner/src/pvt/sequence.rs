@@ -11,6 +11,7 @@ use super::{PvtAxis, PvtInterpolation, PvtPolicy, PvtRegion, PvtRequest, polynom
 use crate::classify::Classification;
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::{largest, least};
+use crate::segments::Pieces;
 use crate::{
     Adjustment, AdjustmentReason, AxisPlan, Method, Plan, Profile, PvtMethod, Quantity, Segment, State,
     Transit, plan_between,
@@ -82,23 +83,11 @@ impl PvtPlan {
 pub fn plan_pvt(request: &PvtRequest) -> Result<PvtPlan, InvalidFields> {
     let mut invalid = InvalidFields::default();
     let mut drives: Vec<Drive<'_>> = request.axes().iter().map(|axis| Drive::new(axis, request)).collect();
-    // How much later than asked the points are met.
-    let mut shift = 0.0;
-    let mut before = 0.0;
-    let mut planned = PvtMove::unplanned();
-    for (point, &time) in request.times().iter().enumerate() {
-        let interval = time - before;
-        before = time;
-        let mut beat = Beat { point, asked: time, time: time + shift, duration: interval, interval };
-        if request.policy() == PvtPolicy::ExtendTime {
-            beat.extend(&mut drives);
-            shift += beat.duration - interval;
-            beat.time = time + shift;
-        }
-        for (axis, drive) in drives.iter_mut().enumerate().filter(|(_, drive)| drive.refusal.is_none()) {
-            drive.go(&mut planned, axis, request, &beat);
-        }
-    }
+    let points = if request.policy() == PvtPolicy::ExtendTime {
+        in_step(request, &mut drives)
+    } else {
+        one_by_one(request, &mut drives)
+    };
     for (index, drive) in drives.iter_mut().enumerate() {
         if let Some((point, (quantity, why))) = drive.refusal.take() {
             let outer = Field::element("axes", index);
@@ -111,21 +100,52 @@ pub fn plan_pvt(request: &PvtRequest) -> Result<PvtPlan, InvalidFields> {
     if !invalid.is_empty() {
         return Err(invalid);
     }
-    joined(request, drives)
+    joined(request, drives, points)
+}
+
+/// Each axis through all of its points, since none changes the times of another.
+fn one_by_one(request: &PvtRequest, drives: &mut [Drive<'_>]) -> Vec<PvtPointReport> {
+    let mut reports = Vec::with_capacity(drives.len() * request.times().len());
+    let mut planned = PvtMove::unplanned();
+    for (axis, drive) in drives.iter_mut().enumerate() {
+        for beat in Beat::all(request) {
+            match drive.go(&mut planned, axis, request, &beat) {
+                Some(report) => reports.push(report),
+                None => break,
+            }
+        }
+    }
+    reports
+}
+
+/// All axes from point to point, each of which may be met later than asked.
+fn in_step(request: &PvtRequest, drives: &mut [Drive<'_>]) -> Vec<PvtPointReport> {
+    let mut reports: Vec<Vec<PvtPointReport>> =
+        drives.iter().map(|_| Vec::with_capacity(request.times().len())).collect();
+    let mut planned = PvtMove::unplanned();
+    // How much later the points are met.
+    let mut shift = 0.0;
+    for mut beat in Beat::all(request) {
+        beat.extend(drives);
+        shift += beat.duration - beat.interval;
+        beat.time = beat.asked + shift;
+        for (axis, drive) in drives.iter_mut().enumerate().filter(|(_, drive)| drive.refusal.is_none()) {
+            reports[axis].extend(drive.go(&mut planned, axis, request, &beat));
+        }
+    }
+    reports.into_iter().flatten().collect()
 }
 
 /// Puts the axes onto one time base.
-fn joined(request: &PvtRequest, drives: Vec<Drive<'_>>) -> Result<PvtPlan, InvalidFields> {
+fn joined(
+    request: &PvtRequest,
+    drives: Vec<Drive<'_>>,
+    points: Vec<PvtPointReport>,
+) -> Result<PvtPlan, InvalidFields> {
     let pvt = PvtMethod { interpolation: request.interpolation(), policy: request.policy() };
     let method = Method::through_points(pvt);
     let guaranteed = method.promises().to_vec();
-    let mut points = Vec::with_capacity(drives.len() * request.times().len());
-    let mut axes = Vec::with_capacity(drives.len());
-    for drive in drives {
-        let (axis, mut reports) = drive.into_parts(request);
-        points.append(&mut reports);
-        axes.push(axis);
-    }
+    let axes = drives.into_iter().map(|drive| drive.into_plan(request)).collect();
     Ok(PvtPlan { plan: Plan::new(method, guaranteed, request.cycle_time(), axes)?, points })
 }
 
@@ -145,6 +165,16 @@ impl Beat {
     const TIME_ROUNDING: f64 = 2.0 * f64::EPSILON;
     /// … and of the interval \[1\]: as much as the judge lets pass of a limit, ten times over.
     const MOST_TIME_ROUNDING: f64 = 1e-10;
+
+    /// The intervals of a request, as asked.
+    fn all(request: &PvtRequest) -> impl Iterator<Item = Self> {
+        let mut before = 0.0;
+        request.times().iter().enumerate().map(move |(point, &time)| {
+            let interval = time - before;
+            before = time;
+            Self { point, asked: time, time, duration: interval, interval }
+        })
+    }
 
     fn time_rounding(&self) -> f64 {
         least(Self::TIME_ROUNDING * self.time, Self::MOST_TIME_ROUNDING * self.interval)
@@ -185,11 +215,14 @@ struct Drive<'a> {
     spec: &'a PvtAxis,
     axis: Axis,
     state: State,
-    segments: Vec<Segment>,
+    pieces: Pieces,
     /// The end of the last of them \[s\], summed up as [`Profile`] does.
     clock: f64,
     fastest: f64,
-    reports: Vec<PvtPointReport>,
+    /// Where each command lay; none of a polynomial.
+    regions: Vec<PvtRegion>,
+    /// What is not as asked of the point that it came to last.
+    adjustments: ArrayVec<Adjustment, 3>,
     /// Is it this axis that needs more time for the point?
     needs_time: bool,
     refusal: Option<(usize, Refusal)>,
@@ -205,10 +238,11 @@ impl<'a> Drive<'a> {
             spec,
             axis: Axis::new(spec.limits.clone()),
             state: spec.start,
-            segments: Vec::with_capacity(pieces * points),
+            pieces: Pieces::with_capacity(pieces * points),
             clock: 0.0,
             fastest: spec.start.velocity.abs(),
-            reports: Vec::with_capacity(points),
+            regions: Vec::with_capacity(points),
+            adjustments: ArrayVec::new(),
             needs_time: false,
             refusal: None,
             finished: false,
@@ -220,8 +254,14 @@ impl<'a> Drive<'a> {
         PvtTarget { position, velocity, duration: beat.duration }
     }
 
-    /// Goes on to the next point.
-    fn go(&mut self, planned: &mut PvtMove, axis: usize, request: &PvtRequest, beat: &Beat) {
+    /// Goes on to the next point; `None` where it is refused.
+    fn go(
+        &mut self,
+        planned: &mut PvtMove,
+        axis: usize,
+        request: &PvtRequest,
+        beat: &Beat,
+    ) -> Option<PvtPointReport> {
         let target = self.target(beat);
         let mut report = PvtPointReport {
             axis,
@@ -250,7 +290,7 @@ impl<'a> Drive<'a> {
                 Ok(()) => self.follow(planned, &mut report, beat.time),
                 Err(refusal) => {
                     self.refusal = Some((beat.point, refusal));
-                    return;
+                    return None;
                 }
             }
         }
@@ -263,7 +303,9 @@ impl<'a> Drive<'a> {
             let (quantity, asked, planned) = (Quantity::Time, beat.asked, beat.time);
             report.adjustments.push(Adjustment { quantity, asked, planned, reason });
         }
-        self.reports.push(report);
+        self.regions.extend(report.region);
+        self.adjustments.clone_from(&report.adjustments);
+        Some(report)
     }
 
     fn follow(&mut self, planned: &PvtMove, report: &mut PvtPointReport, end: f64) {
@@ -282,10 +324,8 @@ impl<'a> Drive<'a> {
     ///
     /// The longest of them takes what their sum lacks of that, roundings of the time: so the sum of ten thousand durations is the
     /// time that was asked for, to an ulp or two, and all axes agree on it.
-    fn lay(&mut self, pieces: impl IntoIterator<Item = Segment>, end: f64) {
-        let first = self.segments.len();
-        self.segments.extend(pieces);
-        let pieces = &mut self.segments[first..];
+    fn lay(&mut self, mut pieces: impl AsMut<[Segment]>, end: f64) {
+        let pieces = pieces.as_mut();
         let longest = (0..pieces.len()).fold(0, |longest, index| {
             if pieces[index].duration > pieces[longest].duration { index } else { longest }
         });
@@ -296,6 +336,7 @@ impl<'a> Drive<'a> {
             piece.duration += missing;
         }
         self.clock = sum(pieces);
+        pieces.iter().for_each(|piece| self.pieces.push(piece));
     }
 
     /// Goes where the last command should have led.
@@ -317,7 +358,7 @@ impl<'a> Drive<'a> {
     fn misses(&self) -> bool {
         let missed =
             |adjustment: &Adjustment| matches!(adjustment.quantity, Quantity::Position | Quantity::Velocity);
-        self.reports.last().is_some_and(|report| report.adjustments.iter().any(missed))
+        self.adjustments.iter().any(missed)
     }
 
     fn goal(&self) -> State {
@@ -325,28 +366,27 @@ impl<'a> Drive<'a> {
     }
 
     /// The motion, with what became of the last point.
-    fn into_parts(self, request: &PvtRequest) -> (AxisPlan, Vec<PvtPointReport>) {
+    fn into_plan(self, request: &PvtRequest) -> AxisPlan {
         let goal = self.goal();
-        let Self { spec, state, segments, fastest, finished, reports, clock, .. } = self;
+        let Self { spec, state, pieces, fastest, finished, regions, adjustments: last, clock, .. } = self;
         let mut adjustments = Vec::new();
         if let (true, Some(&asked)) = (finished, request.times().last()) {
             let (quantity, reason) = (Quantity::Time, AdjustmentReason::PvtFinishedLate);
             adjustments.push(Adjustment { quantity, asked, planned: clock, reason });
-        } else if let Some(last) = reports.last() {
-            adjustments.extend(last.adjustments.iter().copied());
+        } else {
+            adjustments.extend(last);
         }
         adjustments.extend(crate::solve::feed_rate_above_limit(&spec.limits, 1.0));
-        let plan = AxisPlan {
+        AxisPlan {
             axis: spec.axis.clone(),
             kind: spec.kind,
             limits: spec.limits.clone(),
-            profile: Profile::new(segments, state),
+            profile: Profile::of_pieces(pieces, state),
             goal,
             adjustments,
             classification: Classification::of_speed(fastest),
-            pvt_regions: reports.iter().filter_map(|report| report.region).collect(),
-        };
-        (plan, reports)
+            pvt_regions: regions,
+        }
     }
 }
 

@@ -39,8 +39,8 @@ pub(super) fn compose(path: &Profile, course: &Course, joined: bool) -> (Profile
 /// Lets each piece begin where the one before it ends, but for what is more than rounding on the path. On the way to rest a motion may
 /// be so short that the roundings of a long path are no roundings there; and nowhere does it have to be a digit beyond.
 fn close_rounded_jumps(segments: &mut [Segment], path: &Profile) {
-    let positions = path.segments().iter().map(|segment| segment.start.position.abs());
-    let slack = ROUNDING * positions.fold(path.end().position.abs(), largest);
+    let positions = path.joins().map(|state| state.position.abs());
+    let slack = ROUNDING * positions.fold(0.0, largest);
     let mut end: Option<f64> = None;
     for segment in segments {
         let start = &mut segment.start.position;
@@ -54,10 +54,10 @@ fn close_rounded_jumps(segments: &mut [Segment], path: &Profile) {
 fn composed(path: &Profile, stretch: &Stretch, joined: bool) -> Segment {
     let Stretch { piece, from, span: Span { duration, start, third } } = *stretch;
     let (rate, slope) = (start.velocity, start.acceleration);
-    let base = &path.segments()[piece];
+    let base = path.segment(piece);
     #[expect(clippy::float_cmp, reason = "a piece that is taken whole and as it is keeps its bits")]
     if slope == 0.0 && third == 0.0 && rate == 1.0 && from == 0.0 && duration == base.duration {
-        return *base;
+        return base;
     }
     let expansion = Expansion::of(path, piece, from, joined).after_law(rate, slope, third);
     let (state, law) = expansion.law();
@@ -70,9 +70,9 @@ impl Expansion {
     /// From the nearer end: half of a move that ends at zero is then known to all digits of what is left of it, as it
     /// is in the pieces that a solver lays backward from the goal.
     fn of(path: &Profile, piece: usize, from: f64, joined: bool) -> Self {
-        let segment = &path.segments()[piece];
+        let segment = path.segment(piece);
         if from <= 0.5 * segment.duration {
-            return Self::about(segment, from);
+            return Self::about(&segment, from);
         }
         let mut end = segment.end();
         let next = path.segments().get(piece + 1).map_or(path.end(), |next| next.start);
@@ -82,7 +82,7 @@ impl Expansion {
             end.acceleration = next.acceleration;
         }
         let law = match segment.law {
-            Law::Polynomial(_) => Self::about(segment, segment.duration).law().1,
+            Law::Polynomial(_) => Self::about(&segment, segment.duration).law().1,
             law => law,
         };
         let reversed = Segment { duration: segment.duration, start: end, law };

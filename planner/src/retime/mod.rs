@@ -186,7 +186,7 @@ fn check(base: &Plan, start: &State, at: f64, factor: f64) -> Result<(), Invalid
             Law::Polynomial(derivatives) => derivatives.order() <= GREATEST_ORDER,
             Law::CosineJerk { .. } => false,
         };
-        if let Some(piece) = axis.profile.segments().iter().position(|segment| !fits(segment)) {
+        if let Some(piece) = axis.profile.segments().iter().position(|segment| !fits(&segment)) {
             let field = Field::element("segments", piece);
             inner.note(field.as_str(), Some(Why::NotRetimed));
         }

@@ -104,7 +104,7 @@ impl<'a> AxisPath<'a> {
         let Care { looks, reserve } = *care;
         let first = ramp.spans.first()?;
         for Stretch { piece, from, span } in Walk::new(self.path, &ramp.spans, first.start.position, false) {
-            let segment = &self.path.segments()[piece];
+            let segment = self.path.segment(piece);
             let step = span.duration / f64::from(looks);
             let mut worst = 1.0;
             for look in 0..=looks {

@@ -204,7 +204,6 @@ impl Move {
     /// The motion as a profile of its own.
     #[must_use]
     pub fn to_profile(&self) -> Profile {
-        let segments = self.pieces.iter().map(|&piece| self.pulses.segment(piece)).collect();
-        Profile::new(segments, self.reached)
+        Profile::new(self.pieces.iter().map(|&piece| self.pulses.segment(piece)), self.reached)
     }
 }

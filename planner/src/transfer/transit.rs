@@ -138,7 +138,7 @@ impl Transit {
     /// The motion as a profile of its own.
     #[must_use]
     pub fn to_profile(&self) -> Profile {
-        Profile::new(self.pieces.iter().map(segment).collect(), self.goal)
+        Profile::new(self.pieces.iter().map(segment), self.goal)
     }
 }
 

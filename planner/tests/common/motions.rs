@@ -67,7 +67,7 @@ impl Opening {
             let segments = first.profile.segments().iter().enumerate().map(|(index, segment)| Segment {
                 start: if index == 0 { from } else { on_line(segment.start) },
                 law: Law::ConstantJerk(segment.at(0.0).jerk * ratio),
-                ..*segment
+                ..segment
             });
             let end = State { position: to.position, ..on_line(first.profile.end()) };
             let limits = Limits::try_from(limits.clone()).unwrap();
@@ -75,7 +75,7 @@ impl Opening {
                 axis: name.into(),
                 kind: AxisKind::Prismatic,
                 limits,
-                profile: Profile::new(segments.collect(), end),
+                profile: Profile::new(segments, end),
                 goal: end,
                 adjustments: Vec::new(),
                 classification: Classification::default(),

@@ -53,7 +53,7 @@ pub(crate) fn stretched(profile: &Profile, factor: f64) -> Profile {
         let law = Law::ConstantJerk(jerk * rate * rate * rate);
         Segment { duration: segment.duration * factor, start: slowed(segment.start), law }
     });
-    Profile::new(segments.collect(), slowed(profile.end()))
+    Profile::new(segments, slowed(profile.end()))
 }
 
 fn limits(random: &mut Random) -> LimitsSpec {

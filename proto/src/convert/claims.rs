@@ -56,11 +56,11 @@ impl Claims {
         };
         if let Some(pvt) = method.pvt {
             self.against_points(invalid, method, pvt, &|interpolation| {
-                pieces().all(|(piece, stopped)| joins(interpolation, piece, stopped))
+                pieces().all(|(piece, stopped)| joins(interpolation, &piece, stopped))
             });
             return;
         }
-        let made_by = |family| pieces().all(|(piece, stopped)| makes(family, piece, stopped));
+        let made_by = |family| pieces().all(|(piece, stopped)| makes(family, &piece, stopped));
         if !made_by(method.family) {
             let families = [Family::SCurve, Family::Trapezoidal, Family::Polynomial, Family::Trigonometric];
             let able: Vec<_> =
@@ -69,7 +69,7 @@ impl Claims {
             note(invalid, "method.family", method.family.name(), able);
             return;
         }
-        let highest = pieces().map(|(piece, _)| order(piece)).max();
+        let highest = pieces().map(|(piece, _)| order(&piece)).max();
         let order = method.family.order().or(highest).unwrap_or(method.order);
         if method.order != 0 {
             note(invalid, "method.order", method.order, order);

@@ -168,7 +168,7 @@ fn axis_to_wire(axis: &AxisPlan) -> pb::AxisPlan {
         axis: axis.clone(),
         kind: kind_to_wire(*kind),
         limits: Some(limits.into()),
-        segments: profile.segments().iter().map(segment_to_wire).collect(),
+        segments: profile.segments().iter().map(|segment| segment_to_wire(&segment)).collect(),
         goal: Some((*goal).into()),
         reached: Some(profile.end().into()),
         adjustments: adjustments.iter().map(adjustment_to_wire).collect(),
