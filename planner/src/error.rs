@@ -179,6 +179,12 @@ pub enum Why {
         /// The family.
         family: &'static str,
     },
+    /// A last point that is passed.
+    #[error("is {}, and the last point is one at rest: give 0, or leave out last", Shortest(*.given))]
+    LastNotAtRest {
+        /// The value.
+        given: f64,
+    },
     /// Two axes with one name.
     #[error("the name {name:?} is taken by an axis before it: give every axis a name of its own")]
     DuplicateAxis {

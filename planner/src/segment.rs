@@ -99,6 +99,18 @@ impl Segment {
         self.at(self.duration).state
     }
 
+    /// What is left of it `t` seconds after its start; `None` of a cosine, which is one only as a whole, and above [`MAX_ORDER`].
+    pub(crate) fn rest(&self, t: f64) -> Option<Self> {
+        let law = match &self.law {
+            Law::ConstantJerk(_) => self.law,
+            Law::Polynomial(derivatives) if derivatives.order() <= MAX_ORDER => {
+                Law::Polynomial(Derivatives::new(&self.derivatives(t)[3..=derivatives.order()])?)
+            }
+            Law::Polynomial(_) | Law::CosineJerk { .. } => return None,
+        };
+        Some(Self { duration: self.duration - t, start: self.at(t).state, law })
+    }
+
     /// The same way in `factor` times the time: each derivative of order k is divided by `factorᵏ`.
     pub(crate) fn slowed(&self, factor: f64) -> Self {
         let State { position, velocity, acceleration } = self.start;

@@ -19,6 +19,7 @@
 //! - **Override** scales the feed rate, up to the velocity limit. It is approached as fast as acceleration and jerk allow, from above
 //!   without undershoot. 0 rests: a motion moves with a factor above 0 and no hold. Goals at speed are passed at the scaled speed.
 //! - **Retarget** goes to new goals from the present motion; axes that are not named keep theirs, and limits given with a goal replace the axis's.
+//! - **Append** goes on through further points, for a motion through points, until its closing stop begins.
 //! - **Stop** comes to rest and forgets the rest.
 //!
 //! An axis by itself, and axes that were planned without synchronization, are planned anew one by one; axes on a straight line as one motion
@@ -50,6 +51,7 @@
 //!
 //! `notes/0009-operations.md` has the decisions.
 
+mod append;
 mod each;
 mod errand;
 mod factor;
@@ -69,6 +71,7 @@ use crate::error::{Field, InvalidFields, Why};
 use crate::{
     Accepted, AxisPlan, Judged, LAST_CYCLE, Limits, Plan, Profile, Setpoint, State, Synchronization, TimeLaw,
 };
+pub use append::{AxisPoints, Points};
 use errand::{Errand, UnderWay, binds, has_passed};
 pub use factor::Override;
 use leg::Turning;
@@ -116,6 +119,8 @@ pub enum Operation {
     Override(Override),
     /// Goes to new goals; axes that are not named keep theirs.
     Retarget(Vec<AxisGoal>),
+    /// Goes on through further points, for a motion through points.
+    Append(Points),
     /// Comes to rest and forgets the rest.
     Stop,
 }
@@ -312,6 +317,7 @@ impl Motion {
             }
             (Phase::Holding, Operation::Resume) => self.go_on(at_cycle, self.factor),
             (_, Operation::Override(factor)) => self.override_by(at_cycle, phase, *factor),
+            (_, Operation::Append(points)) => self.append(at_cycle, phase, points),
             (_, Operation::Retarget(goals)) => self.retarget(at_cycle, phase, goals),
         }
     }

@@ -70,6 +70,19 @@ pub enum Refused {
         /// The value on the line.
         nearest: f64,
     },
+    /// Points for a motion that goes through none.
+    #[error(
+        "the motion goes to a goal, not through points: retarget it, or open a stream with a plan through points"
+    )]
+    NotThroughPoints,
+    /// Points that come after the motion has begun to stop, or has ended.
+    #[error(
+        "the motion ends from cycle {closing_from_cycle} on: append before that, or open a stream with a new plan"
+    )]
+    AppendTooLate {
+        /// The first cycle of the closing stop, or the first at rest.
+        closing_from_cycle: u64,
+    },
     /// Something in the operation that is wrong, or that cannot be planned, with its path.
     #[error(transparent)]
     Invalid(#[from] InvalidFields),

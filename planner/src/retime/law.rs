@@ -67,6 +67,34 @@ impl TimeLaw {
         self.profile.at(t).state
     }
 
+    /// What is left of it from `t` on, on a clock that begins there, for a path that begins where it is then. Where it still runs at
+    /// its end, it goes on to path time `end`.
+    pub(crate) fn since(&self, t: f64, end: f64) -> Self {
+        let from = self.at(t).position;
+        let behind = |state: State| State { position: (state.position - from).max(0.0), ..state };
+        let mut segments: Vec<Segment> = self
+            .from(t)
+            .into_iter()
+            .map(|span| Span { start: behind(span.start), ..span }.segment())
+            .collect();
+        let last = behind(self.profile.end());
+        let left = end - last.position;
+        if segments.is_empty() || (last.velocity > 0.0 && left > 0.0) {
+            let duration = if last.velocity > 0.0 { left / last.velocity } else { 0.0 };
+            segments.push(Span::steady(State { acceleration: 0.0, ..last }, duration).segment());
+        }
+        Self::joined(segments)
+    }
+
+    /// Does time go on as in the path itself?
+    #[expect(clippy::float_cmp, reason = "a rate that was brought to 1 is 1")]
+    pub(crate) fn is_unchanged(&self) -> bool {
+        self.profile.segments().into_iter().all(|segment| {
+            let State { velocity, acceleration, .. } = segment.start;
+            velocity == 1.0 && acceleration == 0.0 && segment.law == Law::ConstantJerk(0.0)
+        })
+    }
+
     /// When path time first comes to `path_time` \[s\]; `None` where it comes to rest, or the law ends, before.
     pub(crate) fn reaches(&self, path_time: f64) -> Option<f64> {
         for (begin, segment) in self.profile.timed_segments() {

@@ -135,7 +135,7 @@ fn reason(why: &Why) -> Reason {
         Why::OrderUnsupported { .. } | Why::OrderMissing | Why::OrderOfFamily { .. } => {
             Reason::OrderUnsupported
         }
-        Why::NotAtRest { .. } => Reason::StateNotAtRest,
+        Why::NotAtRest { .. } | Why::LastNotAtRest { .. } => Reason::StateNotAtRest,
         Why::EvaluationVersion { .. } | Why::Misstated { .. } | Why::FingerprintMismatch { .. } => {
             Reason::PlanRejected
         }
@@ -200,7 +200,8 @@ fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
         Why::NotFinite { given }
         | Why::NotPositive { given }
         | Why::DurationNotPositive { given }
-        | Why::NotAtRest { given, .. } => vec![("given", text(given))],
+        | Why::NotAtRest { given, .. }
+        | Why::LastNotAtRest { given } => vec![("given", text(given))],
         // The sentence has all that there is to say.
         _ => Vec::new(),
     };
