@@ -10,8 +10,6 @@
 //!
 //! and `T_p = Fₙ₊₁₋ₚ − (the F before it) ≥ 0` is how long derivative `p` stays at its peak.
 
-use alloc::vec::Vec;
-
 use arrayvec::ArrayVec;
 
 use crate::classify::Classification;
@@ -19,8 +17,9 @@ use crate::derivatives::RECIPROCAL;
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::{cbrt, least, sqrt};
 use crate::roots::fall_to_root;
+use crate::segments::Pieces;
 use crate::solve::{Adjustment, feed_rate_above_limit};
-use crate::{Derivatives, Law, Limits, MAX_ORDER, Problem, Profile, Segment, State};
+use crate::{Limits, MAX_ORDER, Problem, Profile, State};
 
 /// Of a length of time \[1\], for each order: a hold shorter than this is rounding. The recursion is worth about one ε a
 /// level.
@@ -104,7 +103,7 @@ impl PolynomialMove {
     /// The motion as a profile: at most 2ⁿ − 1 pieces, fewer where derivatives do not reach their limits.
     #[must_use]
     pub fn to_profile(&self) -> Profile {
-        let segments = match self.order {
+        let pieces = match self.order {
             2 => self.lay::<2>(),
             3 => self.lay::<3>(),
             4 => self.lay::<4>(),
@@ -113,7 +112,7 @@ impl PolynomialMove {
             7 => self.lay::<7>(),
             _ => self.lay::<MAX_ORDER>(),
         };
-        Profile::new(segments, self.reached)
+        Profile::of_pieces(pieces, self.reached)
     }
 }
 
@@ -423,10 +422,13 @@ impl PolynomialMove {
     /// Piece k of the template holds derivative p = n − (number of zeros at the end of k in binary). Where a block that raises a
     /// derivative to its peak ends (of blocks that go + − − + − + + −, as Thue and Morse have it), the derivative and all above it are known and are put there exactly: what a long hold
     /// multiplies carries no rounding of the short pieces before it.
-    fn lay<const N: usize>(&self) -> Vec<Segment> {
-        let count: usize = (1..=N).filter(|&p| self.holds[p - 1] > 0.0).map(|p| 1 << (p - 1)).sum();
-        let mut segments = Vec::with_capacity(count);
-        let mut after = ArrayVec::<Segment, MAX_HALF>::new();
+    fn lay<const N: usize>(&self) -> Pieces {
+        let held = |p: usize| if self.holds[p - 1] > 0.0 { 1 << (p - 1) } else { 0 };
+        let count: usize = (1..=N).map(held).sum();
+        let derivatives = (4..=N).map(|p| held(p) * (p - 2)).sum();
+        let mut pieces = Pieces::with_capacity(count, derivatives);
+        // The derivatives where each piece before the cruise ends, and which of them it holds.
+        let mut ends = ArrayVec::<(usize, [f64; MAX_ORDER + 1]), MAX_HALF>::new();
         let (from, to) = (self.start.position, self.reached.position);
         // Signed peaks, and of each hold the powers of its length over the factorials.
         let peaks = self.peaks.map(|peak| self.direction * peak);
@@ -445,7 +447,7 @@ impl PolynomialMove {
             now[N] = if p == N { turned(k >> 1, peaks[N]) } else { 0.0 };
             let duration = self.holds[p - 1];
             if duration > 0.0 {
-                segments.push(piece(duration, p, from, &now));
+                push(&mut pieces, duration, p, from, &now);
                 // What is above p is zero, and adds nothing.
                 advance::<N>(&mut now, &powers[p]);
             }
@@ -455,13 +457,14 @@ impl PolynomialMove {
                 now[N - raised] = turned(k >> raised, peaks[N - raised]);
             }
             if duration > 0.0 && p > 1 {
-                let [x, v, a, j, s, c, b, l, d] = now;
-                let back = [0.0 - x, v, 0.0 - a, j, 0.0 - s, c, 0.0 - b, l, 0.0 - d];
-                after.push(piece(duration, p, to, &back));
+                ends.push((p, now));
             }
         }
-        segments.extend(after.iter().rev());
-        segments
+        for (p, [x, v, a, j, s, c, b, l, d]) in ends.iter().rev() {
+            let back = [0.0 - x, *v, 0.0 - a, *j, 0.0 - s, *c, 0.0 - b, *l, 0.0 - d];
+            push(&mut pieces, self.holds[p - 1], *p, to, &back);
+        }
+        pieces
     }
 }
 
@@ -484,15 +487,19 @@ fn advance<const N: usize>(now: &mut [f64; MAX_ORDER + 1], powers: &[f64; MAX_OR
     }
 }
 
-/// A piece whose highest derivative is p, from the derivatives at its start; those above p are zero.
+/// Lays a piece whose highest derivative is p, from the derivatives at its start; those above p are zero.
 #[inline]
-fn piece(duration: f64, p: usize, origin: f64, now: &[f64; MAX_ORDER + 1]) -> Segment {
-    let [position, velocity, acceleration, jerk, higher @ ..] = *now;
+fn push(pieces: &mut Pieces, duration: f64, p: usize, origin: f64, now: &[f64; MAX_ORDER + 1]) {
+    let [position, velocity, acceleration, jerk, snap, fifth, sixth, seventh, eighth] = *now;
     let start = State { position: origin + position, velocity, acceleration };
-    let law = match p {
-        ..=2 => Law::ConstantJerk(0.0),
-        3 => Law::ConstantJerk(jerk),
-        _ => Law::Polynomial(Derivatives::up_to(p, jerk, higher)),
-    };
-    Segment { duration, start, law }
+    match p {
+        ..=2 => pieces.push_jerk(duration, start, 0.0),
+        3 => pieces.push_jerk(duration, start, jerk),
+        // One for each length, as a copy of a known length is no call.
+        4 => pieces.push_polynomial(duration, start, &[jerk, snap]),
+        5 => pieces.push_polynomial(duration, start, &[jerk, snap, fifth]),
+        6 => pieces.push_polynomial(duration, start, &[jerk, snap, fifth, sixth]),
+        7 => pieces.push_polynomial(duration, start, &[jerk, snap, fifth, sixth, seventh]),
+        _ => pieces.push_polynomial(duration, start, &[jerk, snap, fifth, sixth, seventh, eighth]),
+    }
 }
