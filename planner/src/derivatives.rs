@@ -1,7 +1,7 @@
 use arrayvec::ArrayVec;
 
 use crate::roots::{linear, quadratic, sign_change};
-use crate::{MAX_ORDER, Setpoint, State};
+use crate::{Setpoint, State};
 
 /// The highest degree of a piece: one of order 5, a quintic, whose time is a cubic of another time. A few more would cost every
 /// piece of every plan their room.
@@ -64,15 +64,6 @@ impl Derivatives {
         let mut values = [0.0; MOST];
         values[..given.len()].copy_from_slice(given);
         Self { values, count: given.len() as u8 }
-    }
-
-    /// Jerk and what is above it, of which everything above `order` is zero.
-    #[inline]
-    pub(crate) fn up_to(order: usize, jerk: f64, higher: [f64; MAX_ORDER - 3]) -> Self {
-        let mut values = [0.0; MOST];
-        values[0] = jerk;
-        values[1..=higher.len()].copy_from_slice(&higher);
-        Self { values, count: order as u8 - 2 }
     }
 
     /// The derivatives, jerk first.

@@ -10,8 +10,6 @@
 //!
 //! and `T_p = Fₙ₊₁₋ₚ − (the F before it) ≥ 0` is how long derivative `p` stays at its peak.
 
-use alloc::vec::Vec;
-
 use arrayvec::ArrayVec;
 
 use crate::classify::Classification;
@@ -19,8 +17,9 @@ use crate::derivatives::RECIPROCAL;
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::{cbrt, least, sqrt};
 use crate::roots::fall_to_root;
+use crate::segments::Pieces;
 use crate::solve::{Adjustment, feed_rate_above_limit};
-use crate::{Derivatives, Law, Limits, MAX_ORDER, Problem, Profile, Segment, State};
+use crate::{Limits, MAX_ORDER, Problem, Profile, State};
 
 /// Of a length of time \[1\], for each order: a hold shorter than this is rounding. The recursion is worth about one ε a
 /// level.
@@ -104,16 +103,16 @@ impl PolynomialMove {
     /// The motion as a profile: at most 2ⁿ − 1 pieces, fewer where derivatives do not reach their limits.
     #[must_use]
     pub fn to_profile(&self) -> Profile {
-        let segments = match self.order {
-            2 => self.lay::<2>(),
-            3 => self.lay::<3>(),
-            4 => self.lay::<4>(),
-            5 => self.lay::<5>(),
-            6 => self.lay::<6>(),
-            7 => self.lay::<7>(),
-            _ => self.lay::<MAX_ORDER>(),
+        let pieces = match self.order {
+            2 => self.lay::<2, 3>(),
+            3 => self.lay::<3, 4>(),
+            4 => self.lay::<4, 5>(),
+            5 => self.lay::<5, 6>(),
+            6 => self.lay::<6, 7>(),
+            7 => self.lay::<7, 8>(),
+            _ => self.lay::<MAX_ORDER, { MAX_ORDER + 1 }>(),
         };
-        Profile::new(segments, self.reached)
+        Profile::of_pieces(pieces, self.reached)
     }
 }
 
@@ -423,31 +422,39 @@ impl PolynomialMove {
     /// Piece k of the template holds derivative p = n − (number of zeros at the end of k in binary). Where a block that raises a
     /// derivative to its peak ends (of blocks that go + − − + − + + −, as Thue and Morse have it), the derivative and all above it are known and are put there exactly: what a long hold
     /// multiplies carries no rounding of the short pieces before it.
-    fn lay<const N: usize>(&self) -> Vec<Segment> {
-        let count: usize = (1..=N).filter(|&p| self.holds[p - 1] > 0.0).map(|p| 1 << (p - 1)).sum();
-        let mut segments = Vec::with_capacity(count);
-        let mut after = ArrayVec::<Segment, MAX_HALF>::new();
+    /// `M` is N + 1: derivatives from the position to that of order N.
+    fn lay<const N: usize, const M: usize>(&self) -> Pieces {
+        let held = |p: usize| if self.holds[p - 1] > 0.0 { 1 << (p - 1) } else { 0 };
+        let count: usize = (1..=N).map(held).sum();
+        let derivatives = (4..=N).map(|p| held(p) * (p - 2)).sum();
+        let mut pieces = Pieces::with_capacity(count, derivatives);
+        // The derivatives where each piece before the cruise ends, and which of them it holds.
+        let mut ends = ArrayVec::<(usize, [f64; M]), MAX_HALF>::new();
         let (from, to) = (self.start.position, self.reached.position);
         // Signed peaks, and of each hold the powers of its length over the factorials.
-        let peaks = self.peaks.map(|peak| self.direction * peak);
-        let mut powers = [[0.0; MAX_ORDER + 1]; MAX_ORDER + 1];
+        let mut peaks = [0.0; M];
+        for (signed, peak) in peaks.iter_mut().zip(&self.peaks) {
+            *signed = self.direction * peak;
+        }
+        let mut powers = [[0.0; M]; M];
         for (powers, hold) in powers[1..].iter_mut().zip(&self.holds[..N]) {
             let mut power = *hold;
-            for i in 1..=N {
+            for i in 1..N {
                 powers[i] = power;
-                power *= hold * RECIPROCAL[(i + 1).min(MAX_ORDER)];
+                power *= hold * RECIPROCAL[i + 1];
             }
+            powers[N] = power;
         }
         let turned = |block: usize, peak: f64| if block.count_ones() % 2 == 1 { -peak } else { peak };
-        let mut now = [0.0; MAX_ORDER + 1];
+        let mut now = [0.0; M];
         for k in 1..=1usize << (N - 1) {
             let p = N - k.trailing_zeros() as usize;
             now[N] = if p == N { turned(k >> 1, peaks[N]) } else { 0.0 };
             let duration = self.holds[p - 1];
             if duration > 0.0 {
-                segments.push(piece(duration, p, from, &now));
+                push(&mut pieces, duration, p, from, &now);
                 // What is above p is zero, and adds nothing.
-                advance::<N>(&mut now, &powers[p]);
+                advance(&mut now, &powers[p]);
             }
             if p == N {
                 let raised = k.trailing_ones() as usize;
@@ -455,13 +462,14 @@ impl PolynomialMove {
                 now[N - raised] = turned(k >> raised, peaks[N - raised]);
             }
             if duration > 0.0 && p > 1 {
-                let [x, v, a, j, s, c, b, l, d] = now;
-                let back = [0.0 - x, v, 0.0 - a, j, 0.0 - s, c, 0.0 - b, l, 0.0 - d];
-                after.push(piece(duration, p, to, &back));
+                ends.push((p, now));
             }
         }
-        segments.extend(after.iter().rev());
-        segments
+        for (p, back) in ends.iter_mut().rev() {
+            back.iter_mut().step_by(2).for_each(|even| *even = 0.0 - *even);
+            push(&mut pieces, self.holds[*p - 1], *p, to, back);
+        }
+        pieces
     }
 }
 
@@ -469,10 +477,10 @@ impl PolynomialMove {
 ///
 /// Two sums side by side: each piece waits for the one before it, so what counts is how long the longest sum takes.
 #[inline]
-fn advance<const N: usize>(now: &mut [f64; MAX_ORDER + 1], powers: &[f64; MAX_ORDER + 1]) {
-    for m in 0..N {
+fn advance<const M: usize>(now: &mut [f64; M], powers: &[f64; M]) {
+    for m in 0..M - 1 {
         let (mut sum, mut other) = (now[m], 0.0);
-        for i in 1..=N - m {
+        for i in 1..M - m {
             let term = powers[i] * now[m + i];
             if i % 2 == 1 {
                 sum += term;
@@ -484,15 +492,18 @@ fn advance<const N: usize>(now: &mut [f64; MAX_ORDER + 1], powers: &[f64; MAX_OR
     }
 }
 
-/// A piece whose highest derivative is p, from the derivatives at its start; those above p are zero.
+/// Lays a piece whose highest derivative is p, from the derivatives at its start; those above p are zero.
 #[inline]
-fn piece(duration: f64, p: usize, origin: f64, now: &[f64; MAX_ORDER + 1]) -> Segment {
-    let [position, velocity, acceleration, jerk, higher @ ..] = *now;
+fn push<const M: usize>(pieces: &mut Pieces, duration: f64, p: usize, origin: f64, now: &[f64; M]) {
+    let [position, velocity, acceleration] = [0, 1, 2].map(|order| now[order]);
     let start = State { position: origin + position, velocity, acceleration };
-    let law = match p {
-        ..=2 => Law::ConstantJerk(0.0),
-        3 => Law::ConstantJerk(jerk),
-        _ => Law::Polynomial(Derivatives::up_to(p, jerk, higher)),
-    };
-    Segment { duration, start, law }
+    // One for each length, as a copy of a known length is no call.
+    match now.get(3..=p).unwrap_or_default() {
+        [] => pieces.push_jerk(duration, start, 0.0),
+        [jerk] => pieces.push_jerk(duration, start, *jerk),
+        &[j, s] => pieces.push_polynomial(duration, start, &[j, s]),
+        &[j, s, c] => pieces.push_polynomial(duration, start, &[j, s, c]),
+        &[j, s, c, b] => pieces.push_polynomial(duration, start, &[j, s, c, b]),
+        higher => pieces.push_polynomial(duration, start, higher),
+    }
 }

@@ -45,6 +45,19 @@ impl Profile {
         self.pieces.segment(index)
     }
 
+    /// The setpoints with which piece number `index` begins and ends; there is that piece.
+    #[inline]
+    pub(crate) fn setpoints_at_ends(&self, index: usize) -> [Setpoint; 2] {
+        let duration = self.pieces.duration(index).unwrap_or_default();
+        [0.0, duration].map(|t| self.pieces.at(index, t))
+    }
+
+    /// When each piece begins \[s\].
+    #[inline]
+    pub(crate) fn begins(&self) -> &[f64] {
+        &self.begins
+    }
+
     /// Each piece with the time at which it begins \[s\].
     pub fn timed_segments(&self) -> impl Iterator<Item = (f64, Segment)> {
         self.begins.iter().copied().zip(self.segments())

@@ -33,13 +33,9 @@ enum KeptLaw {
 }
 
 impl Pieces {
-    pub(crate) fn with_capacity(pieces: usize) -> Self {
-        Self { list: Vec::with_capacity(pieces), derivatives: Vec::new() }
-    }
-
-    /// Makes room for polynomials with so many derivatives from jerk on together.
-    pub(crate) fn reserve_derivatives(&mut self, derivatives: usize) {
-        self.derivatives.reserve(derivatives);
+    /// Room for so many pieces, and so many derivatives from jerk on of the polynomials among them.
+    pub(crate) fn with_capacity(pieces: usize, derivatives: usize) -> Self {
+        Self { list: Vec::with_capacity(pieces), derivatives: Vec::with_capacity(derivatives) }
     }
 
     #[inline]
@@ -130,7 +126,7 @@ impl Pieces {
 impl FromIterator<Segment> for Pieces {
     fn from_iter<I: IntoIterator<Item = Segment>>(segments: I) -> Self {
         let segments = segments.into_iter();
-        let mut pieces = Self::with_capacity(segments.size_hint().0);
+        let mut pieces = Self::with_capacity(segments.size_hint().0, 0);
         segments.for_each(|segment| pieces.push(&segment));
         pieces
     }

@@ -317,11 +317,11 @@ impl Jumps {
         let mut jumps = Self { worst: [(0.0, 0.0); MAX_ORDER + 1] };
         let mut still = [0.0; MAX_ORDER + 1];
         let mut end = None;
-        for (time, segment) in profile.timed_segments() {
-            let start = derivatives(&segment, 0.0, highest);
+        for (index, &time) in profile.begins().iter().enumerate() {
+            let [start, last] = ends(profile, index, highest);
             let lowest = if end.is_none() { 3 } else { 0 };
             jumps.see(lowest, highest, end.as_ref().unwrap_or(&still), &start, time);
-            end = Some(derivatives(&segment, segment.duration, highest));
+            end = Some(last);
         }
         if let Some(end) = end {
             still[2] = profile.end().acceleration;
@@ -355,14 +355,18 @@ fn fastest_join(profile: &Profile) -> f64 {
     profile.joins().map(|state| state.velocity.abs()).fold(0.0, f64::max)
 }
 
-/// The derivatives at `t`, those above jerk only where they are asked for.
-fn derivatives(segment: &Segment, t: f64, highest: usize) -> [f64; MAX_ORDER + 1] {
+/// The derivatives where a piece begins and where it ends, those above jerk only where they are asked for.
+#[inline]
+fn ends(profile: &Profile, index: usize, highest: usize) -> [[f64; MAX_ORDER + 1]; 2] {
     if highest > 3 {
-        return segment.derivatives(t);
+        let segment = profile.segment(index);
+        return [0.0, segment.duration].map(|t| segment.derivatives(t));
     }
-    let mut all = [0.0; MAX_ORDER + 1];
-    all[..4].copy_from_slice(&segment.at(t).words());
-    all
+    profile.setpoints_at_ends(index).map(|setpoint| {
+        let mut all = [0.0; MAX_ORDER + 1];
+        all[..4].copy_from_slice(&setpoint.words());
+        all
+    })
 }
 
 /// The larger of two magnitudes; NaN where one is, so that what cannot be computed is not passed.
@@ -383,6 +387,7 @@ impl Worst {
     const NONE: Self = Self { margin: f64::INFINITY, limit: 0.0, extremum: 0.0, at_time: 0.0 };
 
     /// Takes `extremum` where its margin is less.
+    #[inline]
     fn see(&mut self, margin: f64, limit: f64, extremum: f64, at_time: f64) {
         // NaN counts as worst. Far inside a limit margins round to the same number; the greater magnitude tells.
         let better = margin >= self.margin;
@@ -393,7 +398,15 @@ impl Worst {
     }
 
     /// As `see`, for a magnitude.
+    #[inline]
     fn see_magnitude(&mut self, extremum: f64, limit: f64, at_time: f64) {
+        // Mostly it is a smaller value beside the same limit: that needs no quotient. False for NaN, before and after.
+        #[expect(clippy::float_cmp, reason = "the very limit of before, or another one")]
+        let inside =
+            self.margin < f64::INFINITY && extremum.abs() <= self.extremum.abs() && limit == self.limit;
+        if inside {
+            return;
+        }
         self.see((limit - extremum.abs()) / limit, limit, extremum, at_time);
     }
 }
@@ -428,8 +441,9 @@ impl Extremes {
             higher: [Worst::NONE; MAX_ORDER - 3],
             hardest: [0.0; MAX_ORDER + 1],
         };
-        for (begin, segment) in profile.timed_segments() {
-            extremes.see_segment(begin, &segment, limits, highest);
+        // By index: to hand each piece from iterator to iterator costs more than to judge it.
+        for (index, &begin) in profile.begins().iter().enumerate() {
+            extremes.see_segment(begin, &profile.segment(index), limits, highest);
         }
         if profile.segments().is_empty() {
             extremes.see_setpoint(0.0, Setpoint::held(start), start.velocity, limits);
@@ -445,13 +459,14 @@ impl Extremes {
 
     fn see_segment(&mut self, begin: f64, segment: &Segment, limits: &Limits, highest: usize) {
         let times = segment.turning_points();
-        for span in times.windows(2) {
-            let (from, to) = (span[0], span[1]);
+        let mut ends = times.iter().map(|&t| (t, segment.at(t)));
+        let Some((mut from, mut before)) = ends.next() else { return };
+        for (to, after) in ends {
             // Between two turning points velocity keeps its sign, which tells speeding up from slowing down.
             let velocity = segment.at(0.5 * (from + to)).state.velocity;
-            for t in [from, to] {
-                self.see_setpoint(begin + t, segment.at(t), velocity, limits);
-            }
+            self.see_setpoint(begin + from, before, velocity, limits);
+            self.see_setpoint(begin + to, after, velocity, limits);
+            (from, before) = (to, after);
         }
         if highest < 4 {
             return;

@@ -1,7 +1,7 @@
 //! The identity of a plan.
 
-use prost::Message as _;
-use xxhash_rust::xxh3::xxh3_128;
+use prost::encoding::{double, int32, message, string, uint32, uint64};
+use xxhash_rust::xxh3::Xxh3;
 
 use crate::pb::Plan;
 
@@ -14,18 +14,62 @@ use crate::pb::Plan;
 /// know are not counted.
 #[must_use]
 pub fn fingerprint(plan: &Plan) -> [u8; 16] {
-    let bytes = plan.encode_to_vec();
-    // Field 1 comes first, so clearing it is leaving out the head.
-    let own = if plan.fingerprint.is_empty() {
-        0
-    } else {
-        prost::encoding::bytes::encoded_len(1, &plan.fingerprint)
-    };
-    xxh3_128(&bytes[own..]).to_be_bytes()
+    let Plan {
+        // Its own.
+        fingerprint: _,
+        planner_version,
+        evaluation_version,
+        method,
+        guaranteed,
+        cycle_time,
+        cycle_count,
+        duration,
+        axes,
+        certificate,
+        explanation,
+    } = plan;
+    let mut hasher = Xxh3::new();
+    let mut bytes = Vec::new();
+    if !planner_version.is_empty() {
+        string::encode(2, planner_version, &mut bytes);
+    }
+    if let Some(cycle_time) = cycle_time {
+        message::encode(3, cycle_time, &mut bytes);
+    }
+    if *cycle_count != 0 {
+        uint64::encode(4, cycle_count, &mut bytes);
+    }
+    if *duration != 0.0 {
+        double::encode(5, duration, &mut bytes);
+    }
+    // One axis at a time into the same place: all of them may be many megabytes.
+    for axis in axes {
+        message::encode(6, axis, &mut bytes);
+        hasher.update(&bytes);
+        bytes.clear();
+    }
+    if let Some(certificate) = certificate {
+        message::encode(7, certificate, &mut bytes);
+    }
+    if let Some(explanation) = explanation {
+        message::encode(8, explanation, &mut bytes);
+    }
+    if *evaluation_version != 0 {
+        uint32::encode(9, evaluation_version, &mut bytes);
+    }
+    if let Some(method) = method {
+        message::encode(10, method, &mut bytes);
+    }
+    int32::encode_packed(11, guaranteed, &mut bytes);
+    hasher.update(&bytes);
+    hasher.digest128().to_be_bytes()
 }
 
 #[cfg(test)]
 mod tests {
+    use prost::Message as _;
+    use xxhash_rust::xxh3::xxh3_128;
+
     use super::*;
     use crate::pb;
 
@@ -59,6 +103,21 @@ mod tests {
         assert_eq!(fingerprint(&cleared), fingerprint(&bare));
         cleared.fingerprint = vec![1; 300];
         assert_eq!(fingerprint(&cleared), fingerprint(&bare));
+    }
+
+    #[test]
+    fn fingerprint_is_of_the_whole_encoding() {
+        let axis = pb::AxisPlan { axis: "y".into(), ..plan().axes.remove(0) };
+        let every = Plan {
+            method: Some(pb::PlanMethod { order: 3, ..Default::default() }),
+            certificate: Some(pb::PlanCertificate { passed: true, ..Default::default() }),
+            explanation: Some(pb::PlanExplanation { critical_axis: "y".into(), ..Default::default() }),
+            axes: [plan().axes, vec![axis]].concat(),
+            ..plan()
+        };
+        for plan in [every, plan(), Plan::default(), Plan { duration: -0.0, ..Plan::default() }] {
+            assert_eq!(fingerprint(&plan), xxh3_128(&plan.encode_to_vec()).to_be_bytes());
+        }
     }
 
     #[test]

@@ -29,14 +29,7 @@ pub(super) fn piece(interpolation: PvtInterpolation, start: State, target: &PvtT
             let jerk = 6.0 * (10.0 * way - (6.0 * before + 4.0 * after)) / cube;
             let snap = 24.0 * ((8.0 * before + 7.0 * after) - 15.0 * way) / (cube * duration);
             let crackle = 120.0 * (6.0 * way - 3.0 * (before + after)) / (cube * square);
-            (
-                Law::Polynomial(Derivatives::up_to(
-                    5,
-                    jerk + 0.0,
-                    [snap + 0.0, crackle + 0.0, 0.0, 0.0, 0.0],
-                )),
-                0.0,
-            )
+            (Law::Polynomial(Derivatives::kept(&[jerk + 0.0, snap + 0.0, crackle + 0.0])), 0.0)
         }
     };
     Some(Segment { duration, start: State { acceleration, ..start }.with_positive_zeros(), law })

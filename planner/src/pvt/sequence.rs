@@ -12,6 +12,7 @@ use crate::classify::Classification;
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::{largest, least};
 use crate::segments::Pieces;
+use crate::solve::Piece;
 use crate::{
     Adjustment, AdjustmentReason, AxisPlan, Method, Plan, Profile, PvtMethod, Quantity, Segment, State,
     Transit, plan_between,
@@ -238,7 +239,7 @@ impl<'a> Drive<'a> {
             spec,
             axis: Axis::new(spec.limits.clone()),
             state: spec.start,
-            pieces: Pieces::with_capacity(pieces * points),
+            pieces: Pieces::with_capacity(pieces * points, 0),
             clock: 0.0,
             fastest: spec.start.velocity.abs(),
             regions: Vec::with_capacity(points),
@@ -278,7 +279,7 @@ impl<'a> Drive<'a> {
             self.state = self.spec.points[beat.point];
             let speed = |t: &f64| piece.at(*t).state.velocity.abs();
             self.fastest = piece.turning_points().iter().map(speed).fold(self.fastest, largest);
-            self.lay([piece], beat.time);
+            self.lay_whole(piece, beat.time);
         } else {
             // Whatever needed more time has it.
             let policy = match request.policy() {
@@ -317,26 +318,35 @@ impl<'a> Drive<'a> {
         report.velocity = self.state.velocity;
         report.reachable = Some((planned.least_displacement(), planned.greatest_displacement()));
         report.adjustments.extend(motion.adjustments().iter().copied());
-        self.lay(motion.segments(), end);
+        self.lay(motion.laid(), end);
     }
 
     /// Lays pieces that end at the time `end` \[s\].
     ///
     /// The longest of them takes what their sum lacks of that, roundings of the time: so the sum of ten thousand durations is the
     /// time that was asked for, to an ulp or two, and all axes agree on it.
-    fn lay(&mut self, mut pieces: impl AsMut<[Segment]>, end: f64) {
-        let pieces = pieces.as_mut();
+    fn lay(&mut self, pieces: &[Piece], end: f64) {
+        let missing = self.missing(pieces.iter().map(|piece| piece.duration), end);
         let longest = (0..pieces.len()).fold(0, |longest, index| {
             if pieces[index].duration > pieces[longest].duration { index } else { longest }
         });
-        let begin = self.clock;
-        let sum = |pieces: &[Segment]| pieces.iter().fold(begin, |sum, piece| sum + piece.duration);
-        let missing = end - sum(pieces);
-        if let Some(piece) = pieces.get_mut(longest) {
-            piece.duration += missing;
+        for (index, &Piece { duration, start, jerk }) in pieces.iter().enumerate() {
+            let duration = if index == longest { duration + missing } else { duration };
+            self.clock += duration;
+            self.pieces.push_jerk(duration, start, jerk);
         }
-        self.clock = sum(pieces);
-        pieces.iter().for_each(|piece| self.pieces.push(piece));
+    }
+
+    /// As [`lay`](Self::lay), a piece that is all there is.
+    fn lay_whole(&mut self, piece: Segment, end: f64) {
+        let duration = piece.duration + self.missing([piece.duration], end);
+        self.clock += duration;
+        self.pieces.push(&Segment { duration, ..piece });
+    }
+
+    /// What the sum of all durations with these lacks of `end` \[s\].
+    fn missing(&self, durations: impl IntoIterator<Item = f64>, end: f64) -> f64 {
+        end - durations.into_iter().fold(self.clock, |sum, duration| sum + duration)
     }
 
     /// Goes where the last command should have led.
@@ -351,7 +361,7 @@ impl<'a> Drive<'a> {
         // What was missed by a rounding takes no time.
         self.finished = !segments.is_empty();
         let end = self.clock + motion.duration();
-        self.lay(segments, end);
+        self.lay(motion.pieces(), end);
     }
 
     /// Did the last command not get where it should?

@@ -147,6 +147,11 @@ impl Move {
         &mut self.pieces
     }
 
+    /// The pieces as laid.
+    pub(crate) fn laid(&self) -> &[Piece] {
+        &self.pieces
+    }
+
     /// Names the shape.
     pub(crate) fn classify(&mut self, classification: Classification) {
         self.classification = classification;
