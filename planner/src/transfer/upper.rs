@@ -2,6 +2,9 @@ use super::ends::{Ends, Moving, Phases};
 use crate::float::{largest, least, sqrt};
 use crate::roots::convex_root;
 
+/// Of the square of a fall over its limit \[1\]: what the time is off by where the fall is off by an ulp or two.
+const TIME_ULPS: f64 = 4.0;
+
 /// One of the two families between which all motions lie: of all that take as long, its members go farthest. `notes/0007-any-state.md`
 /// derives it. The lower family is its mirror image.
 #[derive(Clone, Copy, Debug)]
@@ -257,9 +260,12 @@ impl Upper {
             begin = least(begin, limit + low + bound);
         }
         let z = convex_root(begin, limit + low, limit + high, value_and_slope);
-        // Where the limit is little, an ulp of `z` is many of the time, so the time has the last word.
+        // Where the limit is little, an ulp of `z` is many of the time, so the time has the last word: within what that ulp is worth.
+        // Where the way hardly changes, its rounding over its pace is any time, and the velocity would go with it.
         let (t, faster) = (time(z), pace(z));
-        let t = if faster > 0.0 { t - off(t, z) / faster } else { t };
+        let ulps = TIME_ULPS * f64::EPSILON * z * z * inverse;
+        let late = if faster > 0.0 { least(ulps, largest(-ulps, off(t, z) / faster)) } else { 0.0 };
+        let t = t - late;
         let climb = largest(0.0, z - gap);
         let hold = largest(0.0, t - rise - z - climb);
         [rise, hold, z, 0.0, 0.0, 0.0, climb]
