@@ -23,6 +23,9 @@ const BESIDE: f64 = 1e-9;
 /// Of the scale of a motion [1]: how far its pieces may be apart.
 const END: f64 = 1e-12;
 
+/// A time in which nothing moves [s], or as good as nothing: positions are not known better.
+const NOTHING: f64 = 1e-12;
+
 #[track_caller]
 fn check_legal(asked: &Question, duration: f64, planned: &Transit) {
     let found = transfer_violations(&planned.to_profile(), &asked.bounds(), asked.goal);
@@ -53,8 +56,10 @@ impl Tally {
             assert!(before <= interval.after && interval.after < interval.before, "{asked:?}: {arrivals:?}");
             before = interval.before;
         }
-        let inside = |duration: f64| {
-            blocked.iter().any(|blocked| blocked.after < duration && duration < blocked.before)
+        let inside = |duration: f64, margin: f64| {
+            let deep = |border: f64| (duration - border).abs() > margin * border + NOTHING;
+            let inside = blocked.iter().find(|blocked| blocked.after < duration && duration < blocked.before);
+            inside.is_some_and(|blocked| margin == 0.0 || (deep(blocked.after) && deep(blocked.before)))
         };
         let mut durations: Vec<f64> = (0..6).map(|_| least * (1.0 + random.decades(1e-6, 1e3))).collect();
         for interval in blocked {
@@ -68,12 +73,12 @@ impl Tally {
         for duration in durations {
             match axis.lasting(duration) {
                 Ok(planned) => {
-                    assert!(!inside(duration), "{duration} is blocked: {asked:?}: {arrivals:?}: {planned:?}");
+                    assert!(!inside(duration, 0.5 * BESIDE), "{duration} is blocked: {asked:?}: {arrivals:?}: {planned:?}");
                     self.most_pieces = self.most_pieces.max(planned.segments().len());
                     check_legal(asked, duration, &planned);
                 }
                 Err(NoSuchDuration::TooShort { .. }) => assert!(duration < least),
-                Err(refusal) => assert!(inside(duration), "{refusal}: {asked:?}: {arrivals:?}"),
+                Err(refusal) => assert!(inside(duration, 0.0), "{refusal}: {asked:?}: {arrivals:?}"),
             }
         }
     }
@@ -93,4 +98,10 @@ fn scan(count: u32, seed: u64) {
 #[test]
 fn what_is_allowed_is_planned_and_what_is_blocked_is_refused() {
     scan(7_000, 1);
+}
+
+#[test]
+#[ignore = "a minute in release"]
+fn what_is_allowed_is_planned_and_what_is_blocked_is_refused_in_many() {
+    scan(700_000, 2);
 }

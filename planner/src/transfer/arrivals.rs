@@ -82,7 +82,8 @@ impl Timed {
         let led = self.led_for();
         let mut blocked: ArrayVec<Blocked, MAX_BLOCKED> = ArrayVec::new();
         for (from, to) in failing {
-            let after = largest((from + led) * self.unit, least_duration);
+            let after = (from + led) * self.unit;
+            let after = if after <= least_duration * (1.0 + SAME_TIME) { least_duration } else { after };
             let before = (to + led) * self.unit;
             match blocked.last_mut() {
                 Some(last) if after <= last.before * (1.0 + SAME_TIME) => last.before = largest(last.before, before),

@@ -1,5 +1,5 @@
 use super::arrivals::Arrivals;
-use super::timed::Timed;
+use super::timed::{Timed, is_same_time};
 use super::transit::Transit;
 use super::{Transfer, lasting, mapped, plan_transfer};
 use crate::error::InvalidFields;
@@ -135,9 +135,8 @@ impl<'a> AxisTransfer<'a> {
         }
         let fastest = self.quickest()?;
         let least = fastest.duration();
-        #[expect(clippy::float_cmp, reason = "the least duration itself is its motion's")]
-        if duration == least {
-            return Ok(self.in_range(fastest)?);
+        if is_same_time(duration, least) {
+            return Ok(self.in_range(fastest.lasting(duration))?);
         }
         if duration < least {
             return Err(NoSuchDuration::TooShort { given: duration, least });

@@ -14,6 +14,11 @@ use crate::float::{largest, least};
 /// Of a duration \[1\]: one that differs by less is the same.
 pub(super) const SAME_TIME: f64 = 16.0 * f64::EPSILON;
 
+/// Do two durations differ by no more than their roundings?
+pub(crate) fn is_same_time(one: f64, other: f64) -> bool {
+    (one - other).abs() <= SAME_TIME * other
+}
+
 /// The ways that can be gone between two ends, over the duration: those between the upper and the lower family.
 #[derive(Clone, Debug)]
 pub(super) struct Timed {

@@ -61,7 +61,7 @@ impl Transit {
     }
 
     /// The same motion, lasting `duration` \[s\], of which it is some roundings short or long.
-    pub(super) fn lasting(mut self, duration: f64) -> Self {
+    pub(crate) fn lasting(mut self, duration: f64) -> Self {
         let mut durations: ArrayVec<f64, MAX_TRANSIT_PIECES> =
             self.pieces.iter().map(|piece| piece.duration).collect();
         add_up(&mut durations, duration);
