@@ -140,6 +140,7 @@ mod short_path;
 mod shortest;
 mod solve;
 mod state;
+mod together;
 mod transfer;
 mod trigonometric;
 mod verify;
@@ -171,6 +172,7 @@ pub use short_path::ShortPathPolicy;
 pub use shortest::Shortest;
 pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_stop, plan_trapezoid};
 pub use state::State;
+pub use together::{Timing, Together, together};
 pub use transfer::{
     Arrivals, AxisTransfer, Blocked, Bounds, BoundsSpec, MAX_BLOCKED, MAX_TRANSIT_PIECES, NoSuchDuration, Transfer,
     Transit, plan_between, plan_transfer, plan_velocity,

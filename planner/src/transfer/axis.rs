@@ -1,7 +1,7 @@
 use super::arrivals::Arrivals;
 use super::timed::{Timed, is_same_time};
 use super::transit::Transit;
-use super::{Transfer, lasting, mapped, plan_transfer};
+use super::{BoundsSpec, Transfer, lasting, mapped, plan_transfer};
 use crate::error::InvalidFields;
 use crate::limits::not_finite;
 use crate::{Limits, Shortest, State};
@@ -22,8 +22,9 @@ pub struct AxisTransfer<'a> {
     within: Within<'a>,
 }
 
+/// What an axis may do, with where it goes.
 #[derive(Clone, Copy, Debug)]
-enum Within<'a> {
+pub(crate) enum Within<'a> {
     Bounds(Transfer),
     Limits { start: State, goal: State, limits: &'a Limits },
 }
@@ -176,17 +177,27 @@ impl<'a> AxisTransfer<'a> {
 
     /// The motion, if it stays inside the position range.
     pub(crate) fn in_range(&self, planned: Transit) -> Result<Transit, InvalidFields> {
-        if let Within::Limits { limits, .. } = self.within {
-            mapped::within_range(&planned, limits)?;
-        }
+        self.check_range(&planned)?;
         Ok(planned)
     }
 
-    /// What the axis may do, where that is in limits.
-    pub(crate) fn bounds_or_limits(&self) -> Result<&super::Bounds, &'a Limits> {
-        match &self.within {
-            Within::Bounds(transfer) => Ok(transfer.bounds()),
-            Within::Limits { limits, .. } => Err(limits),
+    pub(crate) fn check_range(&self, planned: &Transit) -> Result<(), InvalidFields> {
+        match self.within {
+            Within::Bounds(_) => Ok(()),
+            Within::Limits { limits, .. } => mapped::within_range(planned, limits),
         }
+    }
+
+    /// What the axis may do, with signs; where speeding up and slowing down differ, the lower of both.
+    pub(crate) fn signed(&self) -> BoundsSpec {
+        match self.within {
+            Within::Bounds(transfer) => *transfer.bounds().spec(),
+            Within::Limits { limits, .. } => *mapped::lower_bounds(limits).spec(),
+        }
+    }
+
+    /// What the axis may do.
+    pub(crate) fn within(&self) -> Within<'a> {
+        self.within
     }
 }

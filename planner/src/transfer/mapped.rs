@@ -78,8 +78,12 @@ pub(super) fn lasting(start: State, goal: State, limits: &Limits, duration: f64)
 
 /// The question under the lower of both limits of acceleration.
 pub(super) fn lower(start: State, goal: State, limits: &Limits) -> Result<Transfer, InvalidFields> {
+    Transfer::new(start, goal, lower_bounds(limits))
+}
+
+pub(super) fn lower_bounds(limits: &Limits) -> Bounds {
     let lower = least(limits.acceleration(), limits.deceleration());
-    Transfer::new(start, goal, bounds(limits, lower, lower))
+    bounds(limits, lower, lower)
 }
 
 /// The fastest stop from any state within `limits`.

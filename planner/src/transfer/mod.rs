@@ -31,6 +31,7 @@ mod transit;
 mod upper;
 
 pub use arrivals::{Arrivals, Blocked, MAX_BLOCKED};
+pub(crate) use axis::Within;
 pub use axis::{AxisTransfer, NoSuchDuration};
 pub use bounds::{Bounds, BoundsSpec};
 pub use mapped::plan_between;
@@ -46,6 +47,7 @@ use ends::{Ends, Moving};
 use fastest::{Change, fastest};
 use lead_in::{Confines, LeadIn};
 use timed::Timed;
+pub(crate) use timed::is_same_time;
 
 /// Of the velocities that are compared \[1\]: a goal may be beyond a limit by this much, since it was computed.
 const GOAL_SLACK: f64 = 16.0 * f64::EPSILON;

@@ -14,6 +14,9 @@ use crate::float::{largest, least};
 /// Of a duration \[1\]: one that differs by less is the same.
 pub(super) const SAME_TIME: f64 = 16.0 * f64::EPSILON;
 
+/// Of a way \[1\]: what is left of it for a cruise is rounded to.
+const CRUISE_ROUNDED: f64 = 16.0 * f64::EPSILON;
+
 /// Do two durations differ by no more than their roundings?
 pub(crate) fn is_same_time(one: f64, other: f64) -> bool {
     (one - other).abs() <= SAME_TIME * other
@@ -105,8 +108,8 @@ impl Timed {
         };
         let strands = [strand(0, upper), strand(1, lower)];
         let (farthest, nearest) = (strands[0].way, strands[1].way);
-        let slack = self.slack(time);
-        if upper.way > farthest + slack || upper.way < nearest - slack {
+        let off = largest(upper.way - farthest, nearest - upper.way);
+        if off > 0.0 && off > self.slack(time) {
             return None;
         }
         let part = if farthest > nearest { (upper.way - nearest) / (farthest - nearest) } else { 0.0 };
@@ -121,10 +124,12 @@ impl Timed {
         (way >= family.way - self.slack(time)).then_some(Found::Member(Shape { sign, phases }))
     }
 
-    /// What the way is rounded to.
+    /// What the way is rounded to, of which the two ends have no part while the motion cruises.
     pub(super) fn slack(&self, time: f64) -> f64 {
-        let [upper, _] = &self.families;
-        upper.slack + upper.ends.way_rounding(time)
+        let [upper, lower] = &self.families;
+        let moves = |family: &Upper| family.summit_at(family.room()).time();
+        let moving = least(time, largest(moves(upper), moves(lower)));
+        upper.slack + upper.ends.way_rounding(moving) + CRUISE_ROUNDED * upper.way.abs()
     }
 
     /// Durations that no change of velocity takes: from the last motion whose acceleration keeps its sign to the first that turns it

@@ -71,6 +71,27 @@ impl Transit {
         self
     }
 
+    /// The share of it that an axis moves that goes from `start` to `goal`. The motion begins at zero; each piece is placed from the end
+    /// that is nearer.
+    pub(crate) fn shared(&self, share: f64, start: State, goal: State) -> Self {
+        let length = self.goal.position;
+        let mut shared = Self { pieces: ArrayVec::new(), start, goal };
+        for &Piece { duration, start: State { position, velocity, acceleration }, jerk } in &self.pieces {
+            let rest = position - length;
+            let position = if position.abs() <= rest.abs() {
+                start.position + share * position
+            } else {
+                goal.position + share * rest
+            };
+            let start = State { position, velocity: share * velocity, acceleration: share * acceleration };
+            shared.pieces.push(Piece { duration, start: start.with_positive_zeros(), jerk: share * jerk + 0.0 });
+        }
+        if let Some(first) = shared.pieces.first_mut() {
+            first.start = start;
+        }
+        shared
+    }
+
     pub(crate) fn pieces(&self) -> &[Piece] {
         &self.pieces
     }
