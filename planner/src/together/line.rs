@@ -1,9 +1,9 @@
 use arrayvec::ArrayVec;
 
 use crate::error::{Field, InvalidFields, Why};
-use crate::float::{largest, least};
+use crate::float::{largest, least, sqrt};
 use crate::transfer::Within;
-use crate::{AxisTransfer, Bounds, BoundsSpec, Limits, LimitsSpec, MAX_AXES, State, Transfer, Transit};
+use crate::{AxisTransfer, LIMIT_TOLERANCE, Bounds, BoundsSpec, Limits, LimitsSpec, MAX_AXES, State, Transfer, Transit};
 
 /// Of a part of a state \[1\]: how far from the line it may be, since it was computed. The pieces of the axis are apart by as much.
 const ON_THE_LINE: f64 = 1e-12;
@@ -51,6 +51,13 @@ impl May {
         };
         Limits::try_from(limits).map(Self::Limits)
     }
+
+    fn jerk(&self) -> f64 {
+        match self {
+            Self::Bounds(bounds) => bounds.spec().max_jerk,
+            Self::Limits(limits) => limits.jerk(),
+        }
+    }
 }
 
 /// A part of the states of an axis: its name, its value, and what it is rounded to.
@@ -71,23 +78,27 @@ fn parts(axis: &AxisTransfer<'_>) -> [Part; 5] {
 
 impl Line {
     /// # Errors
-    /// [`Why::OffTheLine`] for each part of a state that is not proportional to the distances.
+    /// [`Why::OffTheLine`] for each part of a state that is not proportional to the distances; [`Why::StartOutsideLimits`] of an
+    /// acceleration that the line cannot end in time.
     pub(super) fn of(axes: &[AxisTransfer<'_>]) -> Result<Self, InvalidFields> {
         let (leader, which) = direction(axes);
         let leading = axes.get(leader).map(parts).unwrap_or_default();
         let shares: ArrayVec<f64, MAX_AXES> = axes.iter().map(|axis| share(parts(axis)[which], leading[which])).collect();
         let mut invalid = InvalidFields::default();
         for (index, (axis, &share)) in axes.iter().zip(&shares).enumerate() {
-            let off = off_the_line(parts(axis), leading, share);
-            if !off.is_empty() {
-                invalid.extend_within(&Field::element("axes", index), off);
-            }
+            note_axis(&mut invalid, index, off_the_line(parts(axis), leading, share));
         }
         let [distance, from, to, begins, ends] = leading.map(|(_, value, _)| value);
         let start = State { position: 0.0, velocity: from, acceleration: begins };
         let goal = State { position: distance, velocity: to, acceleration: ends };
-        invalid.into_result(())?;
+        if !invalid.is_empty() {
+            return Err(invalid);
+        }
         let may = May::of(axes, &shares)?;
+        for (index, (axis, &share)) in axes.iter().zip(&shares).enumerate() {
+            note_axis(&mut invalid, index, swept_beyond(axis, share.abs() * may.jerk()));
+        }
+        invalid.into_result(())?;
         Ok(Self { leader, shares, start, goal, may })
     }
 
@@ -108,6 +119,32 @@ impl Line {
     pub(super) fn share_of(&self, index: usize, axis: &AxisTransfer<'_>, path: &Transit) -> Transit {
         path.shared(self.shares[index], axis.start(), axis.goal())
     }
+}
+
+/// A path is spelt only where there is something to say of it.
+fn note_axis(invalid: &mut InvalidFields, index: usize, inner: InvalidFields) {
+    if !inner.is_empty() {
+        invalid.extend_within(&Field::element("axes", index), inner);
+    }
+}
+
+/// Does the acceleration at the start sweep the axis beyond its limit of velocity, or farther than its own jerk would, as the line has
+/// only `jerk` to end it?
+fn swept_beyond(axis: &AxisTransfer<'_>, jerk: f64) -> InvalidFields {
+    let BoundsSpec { min_velocity, max_velocity, max_jerk, .. } = axis.signed();
+    let State { velocity, acceleration, .. } = axis.start();
+    let sign = if acceleration < 0.0 { -1.0 } else { 1.0 };
+    let limit = if acceleration < 0.0 { -min_velocity } else { max_velocity };
+    let swept = |jerk: f64| sign * velocity + 0.5 * acceleration * acceleration / jerk;
+    let farthest = largest(limit, swept(max_jerk));
+    let mut invalid = InvalidFields::default();
+    if jerk > 0.0 && acceleration != 0.0 && swept(jerk) > farthest + 0.5 * LIMIT_TOLERANCE * farthest.abs() {
+        let allowed = sign * sqrt(2.0 * jerk * largest(0.0, limit - sign * velocity)) + 0.0;
+        let limit = if acceleration < 0.0 { "min_velocity" } else { "max_velocity" };
+        let why = Why::StartOutsideLimits { given: acceleration, allowed, limit };
+        invalid.note("start.acceleration", Some(why));
+    }
+    invalid
 }
 
 /// The axis that leads, and the number of the part that is the direction: the first that is not zero for all, and there the largest.
