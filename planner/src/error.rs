@@ -426,6 +426,30 @@ pub enum Why {
         /// Its velocity [axis units/s].
         velocity: f64,
     },
+    /// A part of a state that leaves the straight line on which all axes are to stay.
+    #[error(
+        "is {}, and the straight line needs {}: give it that, or let the axes arrive together without a line",
+        Shortest(*.given),
+        Shortest(*.needed)
+    )]
+    OffTheLine {
+        /// The value.
+        given: f64,
+        /// The one that is proportional to the distance of the axis.
+        needed: f64,
+    },
+    /// An axis that may not go back and cannot wait either, so that it arrives early or never.
+    #[error(
+        "takes at most {} s, and the motion lasts {} s: allow it to go back, or let it arrive by itself",
+        Shortest(*.greatest),
+        Shortest(*.given)
+    )]
+    ArrivesEarly {
+        /// How long the motion lasts \[s\].
+        given: f64,
+        /// The longest that the axis can take \[s\].
+        greatest: f64,
+    },
     /// No piece of a time law.
     #[error("is empty: give the pieces of the time law, or that of the plan itself")]
     NoTimeLaw,

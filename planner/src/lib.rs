@@ -141,6 +141,7 @@ mod short_path;
 mod shortest;
 mod solve;
 mod state;
+mod together;
 mod transfer;
 mod trigonometric;
 mod verify;
@@ -173,8 +174,10 @@ pub use short_path::ShortPathPolicy;
 pub use shortest::Shortest;
 pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_stop, plan_trapezoid};
 pub use state::State;
+pub use together::{Timing, Together, together};
 pub use transfer::{
-    Bounds, BoundsSpec, MAX_TRANSIT_PIECES, Transfer, Transit, plan_between, plan_transfer, plan_velocity,
+    Arrivals, AxisTransfer, Blocked, Bounds, BoundsSpec, MAX_BLOCKED, MAX_TRANSIT_PIECES, NoSuchDuration, Transfer,
+    Transit, plan_between, plan_transfer, plan_velocity,
 };
 pub use trigonometric::plan_trigonometric;
 pub use verify::{

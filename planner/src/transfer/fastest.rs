@@ -1,21 +1,8 @@
+use super::course::Shape;
 use super::ends::{Ends, Phases};
 use super::lead_in::Confines;
 use super::lens::Lens;
 use super::upper::Upper;
-
-/// A member of the upper family, or of the lower one seen from the other side.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Shape {
-    /// −1 for the lower family.
-    pub(super) sign: f64,
-    pub(super) phases: Phases,
-}
-
-impl Shape {
-    fn duration(&self) -> f64 {
-        self.phases.iter().sum()
-    }
-}
 
 /// The fastest motion between two ends that goes `way`; none where no velocity within the limits leads there.
 ///

@@ -1,7 +1,9 @@
+use arrayvec::ArrayVec;
+
 use super::ends::{Ends, Phases};
 use super::upper::Upper;
 use crate::float::{largest, least, sqrt};
-use crate::roots::sign_change;
+use crate::roots::{quadratic, sign_change};
 
 /// What the motions whose acceleration never comes to zero say about a way.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +63,38 @@ impl Upper {
         });
         let Member { rise, hold, fall, .. } = self.member(last, excess);
         Lens::Found([rise, hold, fall, 0.0, 0.0, 0.0, last])
+    }
+
+    /// How long the last member lasts whose acceleration keeps its sign, where no change of velocity takes a little longer.
+    pub(super) fn lens_closes(&self) -> Option<f64> {
+        let family = if self.ends.change_has_peak() { *self } else { self.reversed() };
+        let Ends { start, goal, .. } = family.ends;
+        let excess = largest(0.0, family.ends.peak_excess());
+        let below = start.acceleration * start.acceleration - excess;
+        (start.acceleration > 0.0 && goal.acceleration > 0.0 && below > 0.0).then(|| {
+            let last = largest(0.0, goal.acceleration - sqrt(below));
+            let Member { rise, hold, fall, .. } = family.member(last, excess);
+            rise + hold + fall + last
+        })
+    }
+
+    /// Where the way of a member whose acceleration keeps its sign may turn from growing to shrinking or back, as durations: roots of
+    /// the [`Self::pace`], while the limit is held and while it is not.
+    pub(super) fn lens_turns(&self) -> ArrayVec<f64, 4> {
+        let family = if self.ends.change_has_peak() { *self } else { self.reversed() };
+        let goal = family.ends.goal;
+        let excess = largest(0.0, family.ends.peak_excess());
+        let vertex = goal.velocity - 0.5 * goal.acceleration * goal.acceleration;
+        let held = quadratic(1.0, -0.5 * family.up, vertex);
+        let squares = quadratic(0.75, 2.0 * vertex - 0.25 * excess, vertex * vertex);
+        let free = squares.into_iter().filter(|square| *square >= 0.0).map(sqrt);
+        let valleys = held.into_iter().chain(free).filter(|valley| (0.0..=goal.acceleration).contains(valley));
+        let duration = |valley: f64| {
+            let last = goal.acceleration - valley;
+            let Member { rise, hold, fall, .. } = family.member(last, excess);
+            rise + hold + fall + last
+        };
+        valleys.map(duration).collect()
     }
 
     /// The member whose last rise lasts so long.

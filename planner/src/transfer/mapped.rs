@@ -10,6 +10,7 @@
 //! through zero                min(A, D) on that ramp, which is the one or the other, or both are
 //! ```
 
+use super::axis::AxisTransfer;
 use super::bounds::{Bounds, BoundsSpec};
 use super::transit::Transit;
 use super::{Names, Transfer, note_goal, plan_velocity, transit_of};
@@ -41,16 +42,48 @@ const NAMES: Names = Names {
 /// What is wrong with `start` and `goal`, as [`Transfer::new`] says; [`Why::PositionLimit`] where the motion leaves the position range;
 /// [`Why::GoalOutsideLimits`] where the goal lies behind and going back is forbidden.
 pub fn plan_between(start: State, goal: State, limits: &Limits) -> Result<Transit, InvalidFields> {
+    AxisTransfer::within_limits(start, goal, limits)?.fastest()
+}
+
+/// Is the goal one that limits allow?
+pub(super) fn check(start: &State, goal: &State, limits: &Limits) -> Result<(), InvalidFields> {
     let mut invalid = InvalidFields::default();
-    note_not_finite(&mut invalid, &start, &goal);
+    note_not_finite(&mut invalid, start, goal);
     if invalid.is_empty() {
         let hardest = largest(limits.acceleration(), limits.deceleration());
-        note_goal(&mut invalid, &goal, &bounds(limits, hardest, hardest), &NAMES);
+        note_goal(&mut invalid, goal, &bounds(limits, hardest, hardest), &NAMES);
     }
-    invalid.into_result(())?;
-    let planned = shortest(limits, |bounds| transit_of(&Transfer::new(start, goal, bounds)?, &NAMES))?;
-    within_range(&planned, limits)?;
-    Ok(planned)
+    invalid.into_result(())
+}
+
+/// The fastest motion within limits, wherever that leads.
+pub(super) fn fastest(start: State, goal: State, limits: &Limits) -> Result<Transit, InvalidFields> {
+    shortest(limits, |bounds| transit_of(&Transfer::new(start, goal, bounds)?, &NAMES))
+}
+
+/// The motion within limits that takes `duration` \[s\]: under the lower of both limits of acceleration, which keeps them whatever it
+/// does; under one for each direction, where only that is fast enough and the motion keeps the limits.
+pub(super) fn lasting(start: State, goal: State, limits: &Limits, duration: f64) -> Option<Transit> {
+    let (up, down) = (limits.acceleration(), limits.deceleration());
+    let planned = |up: f64, down: f64| {
+        let transfer = Transfer::new(start, goal, bounds(limits, up, down)).ok()?;
+        super::lasting(&transfer, duration)
+    };
+    let lower = least(up, down);
+    planned(lower, lower).or_else(|| {
+        let both = [(up, down), (down, up)].into_iter().filter(|(up, down)| up != down);
+        both.filter_map(|(up, down)| planned(up, down)).find(|planned| keeps(planned, limits))
+    })
+}
+
+/// The question under the lower of both limits of acceleration.
+pub(super) fn lower(start: State, goal: State, limits: &Limits) -> Result<Transfer, InvalidFields> {
+    Transfer::new(start, goal, lower_bounds(limits))
+}
+
+pub(super) fn lower_bounds(limits: &Limits) -> Bounds {
+    let lower = least(limits.acceleration(), limits.deceleration());
+    bounds(limits, lower, lower)
 }
 
 /// The fastest stop from any state within `limits`.
@@ -130,7 +163,7 @@ fn standstills(segment: &Segment) -> arrayvec::ArrayVec<f64, 2> {
 }
 
 /// Does the motion stay inside the position range?
-fn within_range(planned: &Transit, limits: &Limits) -> Result<(), InvalidFields> {
+pub(super) fn within_range(planned: &Transit, limits: &Limits) -> Result<(), InvalidFields> {
     let mut begin = 0.0;
     for segment in planned.segments() {
         for t in segment.turning_points() {

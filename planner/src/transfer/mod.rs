@@ -14,26 +14,40 @@
 //!
 //! `notes/0007-any-state.md` has the derivation.
 
+mod arrivals;
+mod axis;
+mod blend;
 mod bounds;
+mod course;
 mod ends;
 mod fastest;
 mod lead_in;
 mod lens;
 mod mapped;
+mod span;
+mod steady;
+mod timed;
 mod transit;
 mod upper;
 
+pub use arrivals::{Arrivals, Blocked, MAX_BLOCKED};
+pub(crate) use axis::Within;
+pub use axis::{AxisTransfer, NoSuchDuration};
 pub use bounds::{Bounds, BoundsSpec};
 pub use mapped::plan_between;
 pub(crate) use mapped::stop;
-pub use transit::{MAX_TRANSIT_PIECES, Transit};
+pub use course::MAX_TRANSIT_PIECES;
+pub use transit::Transit;
 
 use crate::State;
 use crate::error::{Field, InvalidFields, Why};
 use crate::problem::note_not_finite;
+use course::Course;
 use ends::{Ends, Moving};
 use fastest::{Change, fastest};
 use lead_in::{Confines, LeadIn};
+use timed::Timed;
+pub(crate) use timed::is_same_time;
 
 /// Of the velocities that are compared \[1\]: a goal may be beyond a limit by this much, since it was computed.
 const GOAL_SLACK: f64 = 16.0 * f64::EPSILON;
@@ -160,9 +174,18 @@ fn transit_of(transfer: &Transfer, names: &Names) -> Result<Transit, InvalidFiel
     let Scaled { confines, way, slack, unit, .. } = scaled;
     let lead = LeadIn::of(scaled.start, confines);
     match fastest(scaled.ends_after(&lead), confines, way - lead.way, slack) {
-        Some(shape) => Ok(Transit::lay(transfer, &lead, &shape, unit)),
+        Some(shape) => {
+            let course = Course::of(&lead, &shape, transfer, unit);
+            Ok(Transit::lay(transfer.start, transfer.goal, &course))
+        }
         None => Err(behind(transfer, names)),
     }
+}
+
+/// The motion that takes `duration` \[s\]; none where there is none.
+fn lasting(transfer: &Transfer, duration: f64) -> Option<Transit> {
+    let course = Timed::of(transfer).course(transfer, duration)?;
+    Some(Transit::lay(transfer.start, transfer.goal, &course).lasting(duration))
 }
 
 /// The goal lies behind: what can be reached is where the axis can come to a stop.
@@ -197,7 +220,8 @@ pub fn plan_velocity(start: State, velocity: f64, bounds: Bounds) -> Result<Tran
     let change = Change::of(scaled.ends_after(&lead), confines);
     let length = bounds.spec().max_jerk * unit * unit * unit;
     transfer.goal.position += (lead.way + change.goes) * length;
-    Ok(Transit::lay(&transfer, &lead, &change.shape, unit))
+    let course = Course::of(&lead, &change.shape, &transfer, unit);
+    Ok(Transit::lay(start, transfer.goal, &course))
 }
 
 /// A question in units in which the jerk limit is 1 and the motion about as large.
@@ -266,8 +290,9 @@ impl Scaled {
     }
 }
 
-/// Of the positions \[1\]: what their distance is rounded to; the same target again, but for a rounding, is the same target.
-const POSITION_SLACK: f64 = 8.0 * f64::EPSILON;
+/// Of the positions \[1\]: what their distance is rounded to; the same target again, but for a rounding, is the same target. Half of
+/// what the judge allows, so that it has room for roundings of its own.
+const POSITION_SLACK: f64 = 4.0 * f64::EPSILON;
 
 /// Of the time unit: its cube is a number in either direction.
 const GREATEST_EXPONENT: i32 = 300;

@@ -1,17 +1,9 @@
 use arrayvec::ArrayVec;
 
-use super::ends::Phases;
-use super::fastest::Shape;
-use super::lead_in::LeadIn;
-use super::{BoundsSpec, Transfer};
+use super::course::{Course, MAX_TRANSIT_PIECES, Stroke};
+use crate::profile::add_up;
 use crate::solve::Piece;
 use crate::{Law, Profile, Segment, Setpoint, State};
-
-/// The most pieces of a [`Transit`]: two to lead a start back into its limits, and seven.
-pub const MAX_TRANSIT_PIECES: usize = 9;
-
-/// The jerk of each phase, of the limit.
-const SIGNS: Phases = [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0];
 
 /// The motion from one state to another: pieces of constant jerk, on the stack.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,53 +14,31 @@ pub struct Transit {
 }
 
 impl Transit {
-    /// Lays the pieces end to end: up to the cruise forward from the start, after it backward from the goal, each relative to its
-    /// own end, so that both are met to the last bit, and what rounding there is meets in the middle. An acceleration that is held
-    /// is the limit itself: what little it were off by would add up.
-    ///
-    /// `unit` is the time unit \[s\] of the shape.
-    pub(super) fn lay(transfer: &Transfer, lead: &LeadIn, shape: &Shape, unit: f64) -> Self {
-        let Transfer { start, goal, bounds } = *transfer;
-        let BoundsSpec { min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk } =
-            *bounds.spec();
-        let Shape { sign, mut phases } = *shape;
-        if phases[3] == 0.0 {
-            phases[2] += phases[4];
-            phases[4] = 0.0;
-        }
-        let jerks = SIGNS.map(|of_limit| of_limit * sign * max_jerk + 0.0);
-        let held = |near: f64| if near < 0.0 { min_acceleration } else { max_acceleration };
-
+    /// Lays the pieces of a course end to end, those up to the anchor forward from the start, those after it backward from the
+    /// goal, each relative to its own end, so that both are met to the last bit, and what rounding there is meets in the middle.
+    pub(super) fn lay(start: State, goal: State, course: &Course) -> Self {
         let mut transit = Self { pieces: ArrayVec::new(), start, goal };
+        let (forward, backward) = course.strokes.split_at(course.anchor);
         let mut at = State { position: 0.0, ..start };
-        let lead = lead.pieces.iter().map(|&(sign, time)| (sign * max_jerk, time * unit));
-        for (jerk, time) in lead.chain((0..3).map(|index| (jerks[index], phases[index] * unit))) {
-            if jerk == 0.0 && time > 0.0 {
-                at.acceleration = held(at.acceleration);
-            }
+        for &Stroke { jerk, time, acceleration, velocity } in forward {
+            at.acceleration = acceleration.unwrap_or(at.acceleration);
+            at.velocity = velocity.unwrap_or(at.velocity);
             transit.push(jerk, time, start.position, at);
             at = at.after(jerk, time);
         }
-        let cruise = if sign < 0.0 { min_velocity } else { max_velocity };
-        transit.push(
-            0.0,
-            phases[3] * unit,
-            start.position,
-            State { velocity: cruise, acceleration: 0.0, ..at },
-        );
-
-        let [.., fall, hold, climb] = phases.map(|phase| phase * unit);
-        let [.., falling, _, climbing] = jerks;
-        let seventh = State { position: 0.0, ..goal }.after(climbing, -climb);
-        let sixth = if hold > 0.0 {
-            State { acceleration: held(falling), ..seventh }.after(0.0, -hold)
-        } else {
-            seventh
-        };
-        let fifth = State { acceleration: 0.0, ..sixth.after(falling, -fall) };
-        transit.push(falling, fall, goal.position, fifth);
-        transit.push(0.0, hold, goal.position, sixth);
-        transit.push(climbing, climb, goal.position, seventh);
+        let mut begins: ArrayVec<State, MAX_TRANSIT_PIECES> = ArrayVec::new();
+        let mut at = State { position: 0.0, ..goal };
+        for &Stroke { jerk, time, acceleration, .. } in backward.iter().rev() {
+            if let Some(held) = acceleration.filter(|_| jerk == 0.0) {
+                at.acceleration = held;
+            }
+            at = at.after(jerk, -time);
+            at.acceleration = acceleration.unwrap_or(at.acceleration);
+            begins.push(at);
+        }
+        for (&Stroke { jerk, time, .. }, &at) in backward.iter().zip(begins.iter().rev()) {
+            transit.push(jerk, time, goal.position, at);
+        }
         if let Some(first) = transit.pieces.first_mut() {
             first.start = start;
         }
@@ -88,6 +58,38 @@ impl Transit {
                 }),
             }
         }
+    }
+
+    /// The same motion, lasting `duration` \[s\], of which it is some roundings short or long.
+    pub(crate) fn lasting(mut self, duration: f64) -> Self {
+        let mut durations: ArrayVec<f64, MAX_TRANSIT_PIECES> =
+            self.pieces.iter().map(|piece| piece.duration).collect();
+        add_up(&mut durations, duration);
+        for (piece, duration) in self.pieces.iter_mut().zip(durations) {
+            piece.duration = duration;
+        }
+        self
+    }
+
+    /// The share of it that an axis moves that goes from `start` to `goal`. The motion begins at zero; each piece is placed from the end
+    /// that is nearer.
+    pub(crate) fn shared(&self, share: f64, start: State, goal: State) -> Self {
+        let length = self.goal.position;
+        let mut shared = Self { pieces: ArrayVec::new(), start, goal };
+        for &Piece { duration, start: State { position, velocity, acceleration }, jerk } in &self.pieces {
+            let rest = position - length;
+            let position = if position.abs() <= rest.abs() {
+                start.position + share * position
+            } else {
+                goal.position + share * rest
+            };
+            let start = State { position, velocity: share * velocity, acceleration: share * acceleration };
+            shared.pieces.push(Piece { duration, start: start.with_positive_zeros(), jerk: share * jerk + 0.0 });
+        }
+        if let Some(first) = shared.pieces.first_mut() {
+            first.start = start;
+        }
+        shared
     }
 
     pub(crate) fn pieces(&self) -> &[Piece] {

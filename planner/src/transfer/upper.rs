@@ -2,6 +2,9 @@ use super::ends::{Ends, Moving, Phases};
 use crate::float::{largest, least, sqrt};
 use crate::roots::convex_root;
 
+/// Of the square of a fall over its limit \[1\]: what the time is off by where the fall is off by an ulp or two.
+const TIME_ULPS: f64 = 4.0;
+
 /// One of the two families between which all motions lie: of all that take as long, its members go farthest. `notes/0007-any-state.md`
 /// derives it. The lower family is its mirror image.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +35,7 @@ impl Flank {
     /// Up from `end` to the velocity `above` the least that is reached so.
     ///
     /// With `E` the square of the peak as it would be without a limit, `v = v₀ − a₀²/2 + E`, in either case.
-    fn of(end: Moving, above: f64, limit: f64) -> Self {
+    pub(super) fn of(end: Moving, above: f64, limit: f64) -> Self {
         let Moving { acceleration, .. } = end;
         let least_peak = largest(0.0, acceleration);
         let square = least_peak * least_peak + above;
@@ -50,8 +53,12 @@ impl Flank {
         Self { rise, hold, peak, way: way + peak * (velocity + peak * peak / 3.0) }
     }
 
+    pub(super) fn time(&self) -> f64 {
+        self.rise + self.hold + self.peak
+    }
+
     /// How far above its least velocity the flank begins to reach its limit.
-    fn reach(end: Moving, limit: f64) -> f64 {
+    pub(super) fn reach(end: Moving, limit: f64) -> f64 {
         let least_peak = largest(0.0, end.acceleration);
         limit * limit - least_peak * least_peak
     }
@@ -60,22 +67,22 @@ impl Flank {
 /// The lowest velocity at which both flanks can meet: the higher of those that they come to when nothing but full jerk takes
 /// their acceleration to zero.
 #[derive(Clone, Copy, Debug)]
-struct Feet {
-    lowest: f64,
+pub(super) struct Feet {
+    pub(super) lowest: f64,
     /// How far the flank from the start, and the one from the goal, must rise to it.
-    first: f64,
-    last: f64,
+    pub(super) first: f64,
+    pub(super) last: f64,
 }
 
 /// Two flanks that meet.
 #[derive(Clone, Copy, Debug)]
-struct Summit {
-    first: Flank,
-    last: Flank,
+pub(super) struct Summit {
+    pub(super) first: Flank,
+    pub(super) last: Flank,
 }
 
 impl Summit {
-    fn way(&self) -> f64 {
+    pub(super) fn way(&self) -> f64 {
         self.first.way + self.last.way
     }
 
@@ -84,7 +91,11 @@ impl Summit {
         self.first.peak + self.last.peak
     }
 
-    fn phases(&self, cruise: f64) -> Phases {
+    pub(super) fn time(&self) -> f64 {
+        self.first.time() + self.last.time()
+    }
+
+    pub(super) fn phases(&self, cruise: f64) -> Phases {
         let Self { first, last } = self;
         [first.rise, first.hold, first.peak, cruise, last.peak, last.hold, last.rise]
     }
@@ -106,7 +117,7 @@ impl Upper {
     pub(super) fn summit(&self) -> Option<Phases> {
         let Ends { start, goal, .. } = self.ends;
         let Feet { lowest, first, last } = self.feet();
-        let at = |above: f64| self.at(above);
+        let at = |above: f64| self.summit_at(above);
         let room = self.ends.beyond_rounding(self.top - lowest);
         let highest = at(room);
         let spare = self.way - highest.way();
@@ -142,7 +153,7 @@ impl Upper {
     }
 
     /// The two flanks up to a velocity `above` the lowest at which they meet.
-    fn at(&self, above: f64) -> Summit {
+    pub(super) fn summit_at(&self, above: f64) -> Summit {
         let Ends { start, goal, .. } = self.ends;
         let Feet { first, last, .. } = self.feet();
         Summit {
@@ -151,7 +162,12 @@ impl Upper {
         }
     }
 
-    fn feet(&self) -> Feet {
+    /// How far the limit of velocity is above the lowest summit.
+    pub(super) fn room(&self) -> f64 {
+        self.ends.beyond_rounding(self.top - self.feet().lowest)
+    }
+
+    pub(super) fn feet(&self) -> Feet {
         let Ends { start, goal, change } = self.ends;
         let (from_start, from_goal) = (start.coasting(), goal.reversed().coasting());
         let square = |moving: Moving| moving.acceleration * moving.acceleration.abs();
@@ -162,7 +178,7 @@ impl Upper {
 
     /// The member with the lowest summit, and what it goes.
     pub(super) fn lowest(&self) -> (Phases, f64) {
-        let summit = self.at(0.0);
+        let summit = self.summit_at(0.0);
         (summit.phases(0.0), summit.way())
     }
 
@@ -257,9 +273,12 @@ impl Upper {
             begin = least(begin, limit + low + bound);
         }
         let z = convex_root(begin, limit + low, limit + high, value_and_slope);
-        // Where the limit is little, an ulp of `z` is many of the time, so the time has the last word.
+        // Where the limit is little, an ulp of `z` is many of the time, so the time has the last word: within what that ulp is worth.
+        // Where the way hardly changes, its rounding over its pace is any time, and the velocity would go with it.
         let (t, faster) = (time(z), pace(z));
-        let t = if faster > 0.0 { t - off(t, z) / faster } else { t };
+        let ulps = TIME_ULPS * f64::EPSILON * z * z * inverse;
+        let late = if faster > 0.0 { least(ulps, largest(-ulps, off(t, z) / faster)) } else { 0.0 };
+        let t = t - late;
         let climb = largest(0.0, z - gap);
         let hold = largest(0.0, t - rise - z - climb);
         [rise, hold, z, 0.0, 0.0, 0.0, climb]

@@ -4,6 +4,7 @@
 
 #![allow(dead_code, reason = "each test takes what it needs")]
 
+pub(crate) mod axes;
 pub(crate) mod motions;
 pub(crate) mod paths;
 pub(crate) mod peer;

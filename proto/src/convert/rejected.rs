@@ -143,6 +143,8 @@ fn reason(why: &Why) -> Reason {
         Why::GoalOutsideLimits { .. } => Reason::GoalOutsideLimits,
         Why::PositionLimit { .. } => Reason::PositionLimit,
         Why::PathTooShort { .. } => Reason::PathTooShort,
+        Why::OffTheLine { .. } => Reason::PhaseSynchronizationImpossible,
+        Why::ArrivesEarly { .. } => Reason::ValueOutOfRange,
         Why::NoPoints => Reason::NoPoints,
         Why::LengthMismatch { .. } | Why::TimesDiffer { .. } => Reason::LengthMismatch,
         Why::TimesNotIncreasing { .. } | Why::IntervalTooShort { .. } => Reason::TimesNotIncreasing,
@@ -188,6 +190,8 @@ fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
             figures.extend(needed.as_ref().map(|needed| ("needed_time", text(needed))));
             figures
         }
+        Why::OffTheLine { given, needed } => vec![("needed", text(needed)), ("given", text(given))],
+        Why::ArrivesEarly { given, greatest } => vec![("given", text(given)), ("greatest", text(greatest))],
         Why::IntervalTooShort { given, cycle } => vec![("needed", text(cycle)), ("given", text(given))],
         Why::TimesNotIncreasing { given, before } => vec![("given", text(given)), ("before", text(before))],
         Why::TimesDiffer { given, expected } => vec![("needed", text(expected)), ("given", text(given))],

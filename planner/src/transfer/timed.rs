@@ -1,0 +1,151 @@
+//! Motions of a given duration: which there are, and one of them.
+
+use super::blend::Strand;
+use super::course::{Course, Shape};
+use super::ends::Ends;
+use super::fastest::Change;
+use super::lead_in::{Confines, LeadIn};
+use super::span::Member;
+use super::steady::Steady;
+use super::upper::Upper;
+use super::{Scaled, Transfer};
+use crate::float::{largest, least};
+
+/// Of a duration \[1\]: one that differs by less is the same.
+pub(super) const SAME_TIME: f64 = 16.0 * f64::EPSILON;
+
+/// Of a way \[1\]: what is left of it for a cruise is rounded to.
+const CRUISE_ROUNDED: f64 = 16.0 * f64::EPSILON;
+
+/// Do two durations differ by no more than their roundings?
+pub(crate) fn is_same_time(one: f64, other: f64) -> bool {
+    (one - other).abs() <= SAME_TIME * other
+}
+
+/// The ways that can be gone between two ends, over the duration: those between the upper and the lower family.
+#[derive(Clone, Debug)]
+pub(super) struct Timed {
+    pub(super) lead: LeadIn,
+    /// The family that goes farthest, and the mirror image of the one that goes least far; both with the way to go.
+    pub(super) families: [Upper; 2],
+    /// How long the fastest change of velocity takes.
+    pub(super) change: f64,
+    /// The time unit \[s\].
+    pub(super) unit: f64,
+}
+
+/// A motion of a given duration, after the way back into the limits.
+#[derive(Clone, Debug)]
+pub(super) enum Found {
+    Steady(Steady),
+    /// A member of a family.
+    Member(Shape),
+    /// The blend of two, as large a part of the first as is said.
+    Blend([Strand; 2], f64),
+}
+
+impl Timed {
+    pub(super) fn of(transfer: &Transfer) -> Self {
+        let scaled = Scaled::of(transfer);
+        let Scaled { confines, way, slack, unit, .. } = scaled;
+        let lead = LeadIn::of(scaled.start, confines);
+        let ends = scaled.ends_after(&lead);
+        let Confines { bottom, top, up, down } = confines;
+        let upper = Upper { ends, up, down, top, way: way - lead.way, slack };
+        let change = Change::of(ends, confines).shape.duration();
+        Self { families: [upper, upper.mirrored(bottom)], change, lead, unit }
+    }
+
+    /// How long the way back into the limits lasts.
+    pub(super) fn led_for(&self) -> f64 {
+        self.lead.pieces.iter().fold(0.0, |sum, (_, time)| sum + time)
+    }
+
+    /// The motion that takes `duration` \[s\]; none where there is none.
+    pub(super) fn course(&self, transfer: &Transfer, duration: f64) -> Option<Course> {
+        let time = duration / self.unit - self.led_for();
+        let found = self.lasting(time)?;
+        let mut course = Course::led(&self.lead, transfer.start.acceleration, &transfer.bounds, self.unit);
+        match &found {
+            Found::Steady(steady) => course.steady(steady, &transfer.bounds, self.unit),
+            Found::Member(shape) => course.phases(shape, &transfer.bounds, self.unit),
+            Found::Blend([upper, lower], part) => {
+                course.blend([upper, lower], *part, time, &transfer.bounds, self.unit);
+            }
+        }
+        Some(course)
+    }
+
+    fn lasting(&self, time: f64) -> Option<Found> {
+        // Also false for NaN.
+        let long_enough = time >= self.change * (1.0 - SAME_TIME);
+        if !long_enough || self.in_gap(time) {
+            return None;
+        }
+        let [upper, lower] = &self.families;
+        let feet = self.families.map(|family| family.steady_at_foot(time));
+        for (index, family) in self.families.iter().enumerate() {
+            if let Some(foot) = feet[index].filter(|foot| foot.way() <= family.way) {
+                let found = family.steady_above(foot, time);
+                return found
+                    .map(|steady| Found::Steady(if index == 0 { steady } else { steady.mirrored() }))
+                    .or_else(|| self.member(index, time));
+            }
+        }
+        if feet[0].is_some() && feet[1].is_some() {
+            if let Some(steady) = upper.steady_between(time) {
+                return Some(Found::Steady(steady));
+            }
+        }
+        let strand = |index: usize, family: &Upper| match &feet[index] {
+            Some(foot) if index == 0 => Strand::of_steady(foot),
+            Some(foot) => Strand::of_steady(&foot.mirrored()),
+            None => {
+                let Member { phases, way, .. } = family.lasting(time);
+                let sign = if index == 0 { 1.0 } else { -1.0 };
+                Strand::of_member(&Shape { sign, phases }, sign * way)
+            }
+        };
+        let strands = [strand(0, upper), strand(1, lower)];
+        let (farthest, nearest) = (strands[0].way, strands[1].way);
+        let off = largest(upper.way - farthest, nearest - upper.way);
+        if off > 0.0 && off > self.slack(time) {
+            return None;
+        }
+        let part = if farthest > nearest { (upper.way - nearest) / (farthest - nearest) } else { 0.0 };
+        Some(Found::Blend(strands, least(1.0, largest(0.0, part))))
+    }
+
+    /// The member of a family that takes `time`, where it goes the way but for a rounding.
+    fn member(&self, index: usize, time: f64) -> Option<Found> {
+        let family = &self.families[index];
+        let Member { phases, way, .. } = family.lasting(time);
+        let sign = if index == 0 { 1.0 } else { -1.0 };
+        (way >= family.way - self.slack(time)).then_some(Found::Member(Shape { sign, phases }))
+    }
+
+    /// What the way is rounded to, of which the two ends have no part while the motion cruises.
+    pub(super) fn slack(&self, time: f64) -> f64 {
+        let [upper, lower] = &self.families;
+        let moves = |family: &Upper| family.summit_at(family.room()).time();
+        let moving = least(time, largest(moves(upper), moves(lower)));
+        upper.slack + upper.ends.way_rounding(moving) + CRUISE_ROUNDED * upper.way.abs()
+    }
+
+    /// Durations that no change of velocity takes: from the last motion whose acceleration keeps its sign to the first that turns it
+    /// round.
+    pub(super) fn gap(&self) -> Option<(f64, f64)> {
+        let [upper, _] = &self.families;
+        let Ends { start, goal, .. } = upper.ends;
+        if start.acceleration * goal.acceleration <= 0.0 {
+            return None;
+        }
+        let from = upper.lens_closes()?;
+        let to = upper.passes_zero_from();
+        (to - from > SAME_TIME * to).then_some((from, to))
+    }
+
+    fn in_gap(&self, time: f64) -> bool {
+        self.gap().is_some_and(|(from, to)| time > from * (1.0 + SAME_TIME) && time < to * (1.0 - SAME_TIME))
+    }
+}
