@@ -30,8 +30,14 @@ impl Passage {
             note_outside_range(&mut invalid, "start", &start, &limits);
             note_outside_range(&mut invalid, "goal", &goal, &limits);
             let mut inner = InvalidFields::default();
-            inner.note("velocity", too_fast(goal.velocity, &limits).map(|limit| refused(goal.velocity, limit)));
-            inner.note("acceleration", too_hard(&goal, &limits).map(|limit| refused(goal.acceleration, limit)));
+            inner.note(
+                "velocity",
+                too_fast(goal.velocity, &limits).map(|limit| refused(goal.velocity, limit)),
+            );
+            inner.note(
+                "acceleration",
+                too_hard(&goal, &limits).map(|limit| refused(goal.acceleration, limit)),
+            );
             invalid.extend_within(&Field::named("goal"), inner);
         }
         invalid.into_result(Self { start, goal, limits })

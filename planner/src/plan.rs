@@ -2,9 +2,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidFields, Why};
-use crate::request::{
-    AxisKind, AxisMove, AxisProblem, Family, Request, Synchronization, Timing, not_timed,
-};
+use crate::request::{AxisKind, AxisMove, AxisProblem, Family, Request, Synchronization, Timing, not_timed};
 use crate::solve::{
     Adjustment, AdjustmentReason, Move, has_to_turn_back, plan_move, plan_stop, plan_trapezoid,
 };

@@ -167,7 +167,8 @@ fn passable(invalid: &mut InvalidFields, start: &State, goal: &State, limits: &L
     for (end, state) in [("start.velocity", start), ("goal.velocity", goal)] {
         if state.velocity * direction < 0.0 {
             let what = "a velocity against the direction of travel";
-            let instead = "begin and end with velocities that point from the start to the goal, or choose S_CURVE";
+            let instead =
+                "begin and end with velocities that point from the start to the goal, or choose S_CURVE";
             invalid.note(end, Some(Why::NotImplemented { what, instead }));
         }
     }

@@ -3,8 +3,8 @@ use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidFields, Why};
 use crate::limits::not_finite;
-use crate::solve::note_speeds;
 use crate::problem::is_along_travel;
+use crate::solve::note_speeds;
 use crate::{CycleTime, Limits, LimitsSpec, Passage, Problem, ShortPathPolicy, State};
 
 /// The most axes of one plan.
@@ -417,8 +417,9 @@ impl Shape {
     fn on_cycles(self, problem: &AxisProblem) -> Result<(), InvalidFields> {
         match problem {
             AxisProblem::Along(problem) => note_speeds(problem),
-            AxisProblem::Between(_) => {
-                Err(InvalidFields::one(Field::default(), not_timed(Timing::EndOnCycle)))
+            AxisProblem::Between(passage) => {
+                let end = if passage.start().is_at_rest() { "goal" } else { "start" };
+                Err(InvalidFields::one(Field::named(end), not_timed(Timing::EndOnCycle)))
             }
         }
     }

@@ -60,14 +60,12 @@ impl LedBack {
         let lower = limits.acceleration().min(limits.deceleration());
         let back = |sign: f64| {
             let limit = limits.velocity_towards(sign);
-            let back = Return::of(sign * velocity, sign * acceleration, limit, lower, limits.jerk(), rounding);
+            let back =
+                Return::of(sign * velocity, sign * acceleration, limit, lower, limits.jerk(), rounding);
             back.map(|back| Return { deadline: back.deadline.min(end), ..back })
         };
         let fall = Fall { start: acceleration, jerk: limits.jerk(), end, until: 0.0 };
-        Self {
-            velocity: [back(1.0), back(-1.0)],
-            acceleration: (acceleration.abs() > lower).then_some(fall),
-        }
+        Self { velocity: [back(1.0), back(-1.0)], acceleration: (acceleration.abs() > lower).then_some(fall) }
     }
 
     /// Is a velocity beyond its limit on its way back? To be asked in order of time, wherever velocities turn.
@@ -138,7 +136,8 @@ impl Return {
         let beyond = value - self.limit;
         let rounded = beyond <= ROUNDED * self.inevitable.abs();
         // Also false for NaN; once it is back the limit holds, but for its rounding then.
-        let on_its_way = beyond > 0.0 && (time < self.deadline || (rounded && time <= last_of(self.deadline)));
+        let on_its_way =
+            beyond > 0.0 && (time < self.deadline || (rounded && time <= last_of(self.deadline)));
         if !on_its_way {
             return false;
         }

@@ -7,10 +7,10 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
 
-use planner::{AxisProblem, 
-    AxisKind, AxisMoveSpec, Bounds, Cursor, Family, Limits, LimitsSpec, Problem, PvtPlanner, PvtPolicy,
-    PvtTarget, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Transfer, plan, plan_between,
-    plan_move, plan_polynomial, plan_stop, plan_transfer, plan_trigonometric, plan_velocity,
+use planner::{
+    AxisKind, AxisMoveSpec, AxisProblem, Bounds, Cursor, Family, Limits, LimitsSpec, Problem, PvtPlanner,
+    PvtPolicy, PvtTarget, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Transfer, plan,
+    plan_between, plan_move, plan_polynomial, plan_stop, plan_transfer, plan_trigonometric, plan_velocity,
 };
 
 thread_local! {
