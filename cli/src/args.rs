@@ -99,6 +99,10 @@ Examples:
   Backwards, leaving at speed; as near to it as so short a path allows:
     portamento plan --distance=-0.002 --end-velocity=-0.2 --max-velocity 0.25 \\
         --max-acceleration 3 --max-jerk 100 --short-path nearest-velocity
+  From full motion to rest just ahead, past it and back:
+    portamento plan --distance 0.01 --start-velocity 0.2 \\
+        --start-acceleration 2 --max-velocity 0.25 --max-acceleration 3 \\
+        --max-jerk 100 --short-path reverse
   Several axes, from a file such as this one:
     portamento plan --request request.json
     {\"synchronization\": \"SYNCHRONIZATION_NONE\", \"axes\": [
@@ -125,7 +129,8 @@ pub(crate) struct PlanArgs {
         conflicts_with_all = ["batch", "MoveFlags", "LimitFlags", "HigherLimitFlags", "LawFlags"])]
     pub(crate) request: Option<PathBuf>,
     /// Plan every line of this file, a PlanRequest in proto3 JSON each, and print a line of JSON for each, in order:
-    /// the PlanResponse, or {"error": ...}. Empty lines are skipped. '-' reads standard input.
+    /// the PlanResponse, or {"error": ...}. Empty lines are skipped. '-' reads standard input. The exit code is 0
+    /// whatever the lines say: each has its own answer.
     #[arg(long, value_name = "FILE.jsonl", help_heading = "Input from files", group = "files",
         conflicts_with_all = ["MoveFlags", "LimitFlags", "HigherLimitFlags", "LawFlags", "plot", "output"])]
     pub(crate) batch: Option<PathBuf>,
@@ -156,6 +161,12 @@ pub(crate) struct MoveFlags {
     /// Velocity at the end [u/s]; 0 if not given, negative: backwards.
     #[arg(long, value_name = "U/S", help_heading = "Move")]
     end_velocity: Option<f64>,
+    /// Acceleration at the start [u/s²], signed; 0 if not given. An S-curve's may be any.
+    #[arg(long, value_name = "U/S²", help_heading = "Move")]
+    start_acceleration: Option<f64>,
+    /// Acceleration at the end [u/s²], signed; 0 if not given. An S-curve's may be any within the limits.
+    #[arg(long, value_name = "U/S²", help_heading = "Move")]
+    end_acceleration: Option<f64>,
     /// What the axis moves in, and with it the unit u: prismatic [m] if not given, revolute [rad], or pulses.
     #[arg(long, value_enum, value_name = "KIND", help_heading = "Axis", hide_possible_values = true)]
     kind: Option<Kind>,
@@ -269,7 +280,7 @@ pub(crate) struct SampleArgs {
     /// First cycle to print, from 0.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) first_cycle: u64,
-    /// How many cycles to print; to the end of the plan if not given, or 0.
+    /// How many cycles to print, at most 36000000; to the end of the plan if not given, or 0.
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     pub(crate) cycles: u64,
     /// Write to this file instead of standard output.
@@ -395,16 +406,16 @@ impl MoveFlags {
     pub(crate) fn to_spec(&self, limits: LimitsSpec, law: Law) -> RequestSpec {
         let start_position = self.from.unwrap_or(0.0);
         let goal_position = self.to.unwrap_or(start_position + self.distance.unwrap_or(0.0));
-        let at = |position, velocity: Option<f64>| State {
+        let at = |position, velocity: Option<f64>, acceleration: Option<f64>| State {
             position,
             velocity: velocity.unwrap_or(0.0),
-            acceleration: 0.0,
+            acceleration: acceleration.unwrap_or(0.0),
         };
         let axis = AxisMoveSpec {
             axis: self.axis.clone().unwrap_or_else(|| "x".to_owned()),
             kind: Ok(self.kind.map_or(AxisKind::Prismatic, AxisKind::from)),
-            start: at(start_position, self.start_velocity),
-            goal: at(goal_position, self.end_velocity),
+            start: at(start_position, self.start_velocity, self.start_acceleration),
+            goal: at(goal_position, self.end_velocity, self.end_acceleration),
             limits,
         };
         RequestSpec {
@@ -427,7 +438,7 @@ impl MoveFlags {
 
 /// Fields of a request made from flags, and the flags that set them. Where one name begins with another, it
 /// comes first.
-const FLAGS: [(&str, &str); 23] = [
+const FLAGS: [(&str, &str); 25] = [
     ("interpolation", "--interpolation"),
     ("policy", "--policy"),
     ("finish_unreached", "--finish-unreached"),
@@ -439,8 +450,10 @@ const FLAGS: [(&str, &str); 23] = [
     ("end_on_cycle", "--end-on-cycle"),
     ("start.position", "--from"),
     ("start.velocity", "--start-velocity"),
+    ("start.acceleration", "--start-acceleration"),
     ("goal.position", "--to or --distance"),
     ("goal.velocity", "--end-velocity"),
+    ("goal.acceleration", "--end-acceleration"),
     ("limits.max_velocity_reverse", "--max-velocity-reverse"),
     ("limits.max_velocity", "--max-velocity"),
     ("limits.max_acceleration", "--max-acceleration"),

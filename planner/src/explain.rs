@@ -1,6 +1,7 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
+use crate::float::least;
 use crate::plan::{AxisPlan, Plan};
 use crate::{Law, Limits, Quantity, Segment};
 
@@ -69,20 +70,23 @@ fn bindings(axis: &AxisPlan) -> Vec<Binding> {
 /// stays nowhere, the one that its peak reaches.
 fn binding(segment: &Segment, limits: &Limits) -> Option<Quantity> {
     let reaches = |value: f64, limit: f64| value.abs() >= limit * (1.0 - BINDING_SLACK);
+    // A start beyond a limit is not held by it.
+    let at = |value: f64, limit: f64| reaches(value, limit) && value.abs() <= limit * (1.0 + BINDING_SLACK);
     if let Law::CosineJerk { peak } = segment.law {
         return reaches(peak, limits.jerk()).then_some(Quantity::Jerk);
     }
     let (start, end) = (segment.at(0.0), segment.at(segment.duration));
-    let throughout = |value: fn(&crate::Setpoint) -> f64, limit: f64| {
-        reaches(value(&start), limit) && reaches(value(&end), limit)
-    };
+    let throughout =
+        |value: fn(&crate::Setpoint) -> f64, limit: f64| at(value(&start), limit) && at(value(&end), limit);
     let cruise = limits.cruise_towards(start.state.velocity);
     let slows_down = start.state.acceleration * start.state.velocity < 0.0;
     let hardest = if slows_down { limits.deceleration() } else { limits.acceleration() };
+    // Of a ramp that goes through zero, on either side of it.
+    let lower = least(limits.acceleration(), limits.deceleration());
     if start.jerk == 0.0 && throughout(|setpoint| setpoint.state.velocity, cruise) {
         return Some(Quantity::Velocity);
     }
-    if throughout(|setpoint| setpoint.state.acceleration, hardest) {
+    if [hardest, lower].into_iter().any(|limit| throughout(|setpoint| setpoint.state.acceleration, limit)) {
         return Some(Quantity::Acceleration);
     }
     if throughout(|setpoint| setpoint.jerk, limits.jerk()) {

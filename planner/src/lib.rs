@@ -126,6 +126,7 @@ pub mod generator;
 pub mod grid;
 mod limits;
 pub mod motion;
+mod passage;
 mod plan;
 mod polynomial;
 mod problem;
@@ -145,6 +146,7 @@ mod together;
 mod transfer;
 mod trigonometric;
 mod verify;
+mod verify_led_back;
 mod verify_transfer;
 
 pub use certified::{Accepted, Judged, JudgedPvt, Rejection};
@@ -154,6 +156,7 @@ pub use derivatives::{Derivatives, MAX_DEGREE};
 pub use error::{Field, InvalidField, InvalidFields, Why};
 pub use explain::{Binding, Explanation, explain};
 pub use limits::{GREATEST_MAGNITUDE, LEAST_LIMIT, Limits, LimitsSpec, MAX_ORDER};
+pub use passage::Passage;
 pub use plan::{AxisPlan, Maker, Method, Plan, Sampler, plan};
 pub use polynomial::{PolynomialMove, plan_polynomial};
 pub use problem::Problem;
@@ -164,7 +167,7 @@ pub use pvt::{
 };
 pub use quantity::Quantity;
 pub use request::{
-    AxisKind, AxisMove, AxisMoveSpec, Family, MAX_AXES, MAX_NAME_BYTES, Request, RequestSpec,
+    AxisKind, AxisMove, AxisMoveSpec, AxisProblem, Family, MAX_AXES, MAX_NAME_BYTES, Request, RequestSpec,
     Synchronization, wrong_name,
 };
 pub use retime::{RetimeError, Retiming, TimeLaw, greatest_factor, retime};

@@ -2,11 +2,13 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidFields, Why};
-use crate::request::{AxisKind, AxisMove, Family, Request, Synchronization};
-use crate::solve::{Adjustment, AdjustmentReason, Move, plan_move, plan_stop, plan_trapezoid};
+use crate::request::{AxisKind, AxisMove, AxisProblem, Family, Request, Synchronization, Timing, not_timed};
+use crate::solve::{
+    Adjustment, AdjustmentReason, Move, has_to_turn_back, plan_move, plan_stop, plan_trapezoid,
+};
 use crate::{
-    Classification, Cursor, CycleTime, Limits, Profile, PvtInterpolation, PvtMethod, PvtRegion, Quantity,
-    Setpoint, ShortPathPolicy, State,
+    Classification, Cursor, CycleTime, Limits, Passage, Problem, Profile, PvtInterpolation, PvtMethod,
+    PvtRegion, Quantity, Setpoint, ShortPathPolicy, State,
 };
 use crate::{grid, plan_polynomial, plan_trigonometric};
 
@@ -306,8 +308,8 @@ impl Sampler<'_> {
 /// Plans every axis of a request.
 ///
 /// # Errors
-/// Those of [`plan_move`], [`plan_trapezoid`], [`plan_polynomial`] or [`plan_trigonometric`] for each axis, all at once, with the axis in the
-/// path; more cycles than can be counted; a minimum duration above that of the plan.
+/// Those of [`plan_move`], [`plan_between`](crate::plan_between), [`plan_trapezoid`], [`plan_polynomial`] or
+/// [`plan_trigonometric`] for each axis, all at once, with the axis in the path; more cycles than can be counted; a minimum duration above that of the plan.
 pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
     let mut invalid = InvalidFields::default();
     let mut axes = Vec::with_capacity(request.axes().len());
@@ -327,34 +329,18 @@ pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
     };
     let plan = Plan::new(method, method.promises().to_vec(), request.cycle_time(), axes)?;
     if plan.duration < request.minimum_duration() {
-        let what = "a minimum duration above the least that the limits allow";
-        let why = Why::NotImplemented { what, instead: "leave it out: the plan takes the least time" };
-        return Err(InvalidFields::one(Field::named("minimum_duration"), why));
+        let field = Field::named("minimum_duration");
+        return Err(InvalidFields::one(field, not_timed(Timing::NotBefore)));
     }
     Ok(plan)
 }
 
 fn plan_axis(axis: &AxisMove, request: &Request) -> Result<AxisPlan, InvalidFields> {
     let AxisMove { axis, kind, problem } = axis;
-    let cycle_time = request.end_on_cycle().then_some(request.cycle_time());
-    let (profile, adjustments, mut classification) = match request.family() {
-        Family::Polynomial => {
-            let planned = plan_polynomial(problem, request.order())?;
-            (planned.to_profile(), planned.adjustments().to_vec(), planned.classification())
-        }
-        Family::Trigonometric => laid(&plan_trigonometric(problem)?),
-        Family::SCurve => match cycle_time {
-            Some(cycle_time) => laid(&grid::plan_move(problem, cycle_time)?),
-            None => laid(&plan_move(problem)?),
-        },
-        Family::Trapezoidal => laid(&plan_trapezoid(problem)?),
+    let (profile, adjustments, classification) = match problem {
+        AxisProblem::Along(problem) => plan_along(problem, request)?,
+        AxisProblem::Between(passage) => plan_passage(passage)?,
     };
-    // The S-curve ends on a cycle already, and with it each of its pieces.
-    let (profile, factor) = match cycle_time.filter(|_| request.family() != Family::SCurve) {
-        Some(cycle_time) => grid::slowed(&profile, cycle_time)?,
-        None => (profile, 1.0),
-    };
-    classification.feed_rate /= factor;
     Ok(AxisPlan {
         axis: axis.clone(),
         kind: *kind,
@@ -367,6 +353,38 @@ fn plan_axis(axis: &AxisMove, request: &Request) -> Result<AxisPlan, InvalidFiel
     })
 }
 
-fn laid(planned: &Move) -> (Profile, Vec<Adjustment>, Classification) {
+/// A motion, what of it is not as asked, and what its shape is called.
+type Planned = (Profile, Vec<Adjustment>, Classification);
+
+fn plan_along(problem: &Problem, request: &Request) -> Result<Planned, InvalidFields> {
+    let cycle_time = request.end_on_cycle().then_some(request.cycle_time());
+    let (profile, adjustments, mut classification) = match request.family() {
+        Family::Polynomial => {
+            let planned = plan_polynomial(problem, request.order())?;
+            (planned.to_profile(), planned.adjustments().to_vec(), planned.classification())
+        }
+        Family::Trigonometric => laid(&plan_trigonometric(problem)?),
+        Family::SCurve if has_to_turn_back(problem) => plan_passage(&Passage::of(problem))?,
+        Family::SCurve => match cycle_time {
+            Some(cycle_time) => laid(&grid::plan_move(problem, cycle_time)?),
+            None => laid(&plan_move(problem)?),
+        },
+        Family::Trapezoidal => laid(&plan_trapezoid(problem)?),
+    };
+    // The S-curve ends on a cycle already, and with it each of its pieces.
+    let (profile, factor) = match cycle_time.filter(|_| request.family() != Family::SCurve) {
+        Some(cycle_time) => grid::slowed(&profile, cycle_time)?,
+        None => (profile, 1.0),
+    };
+    classification.feed_rate /= factor;
+    Ok((profile, adjustments, classification))
+}
+
+fn plan_passage(passage: &Passage) -> Result<Planned, InvalidFields> {
+    let (transit, adjustment, classification) = passage.plan()?;
+    Ok((transit.to_profile(), adjustment.into_iter().collect(), classification))
+}
+
+fn laid(planned: &Move) -> Planned {
     (planned.to_profile(), planned.adjustments().to_vec(), planned.classification())
 }

@@ -1,4 +1,4 @@
-use crate::error::{Field, InvalidFields, Why};
+use crate::error::{Field, InvalidField, InvalidFields, Why};
 use crate::limits::not_finite;
 use crate::{Limits, ShortPathPolicy, State};
 
@@ -83,6 +83,17 @@ fn direction(start: &State, goal: &State) -> f64 {
     if backward { -1.0 } else { 1.0 }
 }
 
+/// Is this a move along its travel, from inside the limits: without acceleration at the ends, and with no velocity against
+/// the travel or, at the start, beyond its limit? What it asks of the goal's velocity is for [`Problem::new`] to say.
+pub(crate) fn is_along_travel(start: &State, goal: &State, limits: &Limits) -> bool {
+    let direction = direction(start, goal);
+    start.acceleration == 0.0
+        && goal.acceleration == 0.0
+        && start.velocity * direction >= 0.0
+        && goal.velocity * direction >= 0.0
+        && too_fast(start.velocity, limits).is_none()
+}
+
 /// Reports every number of both ends that is not finite.
 pub(crate) fn note_not_finite(invalid: &mut InvalidFields, start: &State, goal: &State) {
     finite(invalid, "start", start);
@@ -121,19 +132,29 @@ pub(crate) fn too_fast(velocity: f64, limits: &Limits) -> Option<(f64, &'static 
     }
 }
 
-pub(crate) fn within_limits(invalid: &mut InvalidFields, end: &str, state: &State, limits: &Limits) {
-    let mut inner = InvalidFields::default();
-    let State { position, velocity, acceleration } = *state;
+/// Reports a position of `end` that is outside the range.
+pub(crate) fn note_outside_range(invalid: &mut InvalidFields, end: &str, state: &State, limits: &Limits) {
+    let State { position, .. } = *state;
     let clamped = position.max(limits.min_position()).min(limits.max_position());
-    if position < clamped {
-        inner.note("position", Some(outside(end, position, clamped, "limits.min_position")));
+    let limit = if position < clamped {
+        "limits.min_position"
     } else if position > clamped {
-        inner.note("position", Some(outside(end, position, clamped, "limits.max_position")));
-    }
+        "limits.max_position"
+    } else {
+        return;
+    };
+    let field = Field::named("position").within(&Field::named(end));
+    invalid.push(InvalidField::new(field, outside(end, position, clamped, limit)));
+}
+
+pub(crate) fn within_limits(invalid: &mut InvalidFields, end: &str, state: &State, limits: &Limits) {
+    note_outside_range(invalid, end, state, limits);
+    let mut inner = InvalidFields::default();
+    let State { velocity, acceleration, .. } = *state;
     let too_fast = too_fast(velocity, limits);
     inner.note("velocity", too_fast.map(|(allowed, limit)| outside(end, velocity, allowed, limit)));
     if acceleration != 0.0 {
-        let instead = "begin and end with an acceleration of zero";
+        let instead = "begin and end with an acceleration of zero, or choose S_CURVE";
         let what = "an acceleration at the start or the goal";
         inner.note("acceleration", Some(Why::NotImplemented { what, instead }));
     }
@@ -146,7 +167,8 @@ fn passable(invalid: &mut InvalidFields, start: &State, goal: &State, limits: &L
     for (end, state) in [("start.velocity", start), ("goal.velocity", goal)] {
         if state.velocity * direction < 0.0 {
             let what = "a velocity against the direction of travel";
-            let instead = "begin and end with velocities that point from the start to the goal";
+            let instead =
+                "begin and end with velocities that point from the start to the goal, or choose S_CURVE";
             invalid.note(end, Some(Why::NotImplemented { what, instead }));
         }
     }

@@ -3,8 +3,9 @@ use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidFields, Why};
 use crate::limits::not_finite;
+use crate::problem::is_along_travel;
 use crate::solve::note_speeds;
-use crate::{CycleTime, Limits, LimitsSpec, Problem, ShortPathPolicy, State};
+use crate::{CycleTime, Limits, LimitsSpec, Passage, Problem, ShortPathPolicy, State};
 
 /// The most axes of one plan.
 pub const MAX_AXES: usize = 64;
@@ -123,7 +124,61 @@ pub struct AxisMove {
     /// What it moves in.
     pub kind: AxisKind,
     /// From where to where, within which limits.
-    pub problem: Problem,
+    pub problem: AxisProblem,
+}
+
+/// What is asked of one axis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AxisProblem {
+    /// A move along its travel: every family knows it, and the shape has a name in the papers.
+    Along(Problem),
+    /// From any state to any state, which the S-curve alone does: with accelerations at the ends, velocities against the travel, or
+    /// from beyond the limits.
+    Between(Passage),
+}
+
+impl AxisProblem {
+    fn new(
+        family: Family,
+        start: State,
+        goal: State,
+        limits: Limits,
+        policy: ShortPathPolicy,
+    ) -> Result<Self, InvalidFields> {
+        let finite = start.is_finite() && goal.is_finite();
+        if finite && family == Family::SCurve && !is_along_travel(&start, &goal, &limits) {
+            Passage::new(start, goal, limits).map(Self::Between)
+        } else {
+            Problem::new(start, goal, limits, policy).map(Self::Along)
+        }
+    }
+
+    /// Where the motion begins.
+    #[must_use]
+    pub fn start(&self) -> State {
+        match self {
+            Self::Along(problem) => problem.start(),
+            Self::Between(passage) => passage.start(),
+        }
+    }
+
+    /// Where it is asked to end.
+    #[must_use]
+    pub fn goal(&self) -> State {
+        match self {
+            Self::Along(problem) => problem.goal(),
+            Self::Between(passage) => passage.goal(),
+        }
+    }
+
+    /// What the axis may do on the way.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        match self {
+            Self::Along(problem) => problem.limits(),
+            Self::Between(passage) => passage.limits(),
+        }
+    }
 }
 
 /// A question about one or more axes that has been checked, and that this planner can answer.
@@ -297,17 +352,20 @@ fn checked_axis(
     let mut invalid = InvalidFields::default();
     let kind = kind.map_err(|why| invalid.note("kind", Some(why))).ok();
     let (start, goal) = law.rested(&mut invalid, start, goal);
-    if several && goal.velocity != 0.0 {
-        let what = "a goal at speed for one of several axes";
-        let instead = "end every axis at rest, or plan each axis by itself";
-        invalid.note("goal.velocity", Some(Why::NotImplemented { what, instead }));
+    for (field, part) in [("goal.velocity", goal.velocity), ("goal.acceleration", goal.acceleration)] {
+        if several && part != 0.0 {
+            let what = "a goal at speed for one of several axes";
+            let instead = "end every axis at rest, or plan each axis by itself";
+            invalid.note(field, Some(Why::NotImplemented { what, instead }));
+        }
     }
     let problem = match Limits::try_from(limits) {
         Ok(limits) => {
             invalid.extend_within(&Field::named("limits"), law.missing_limits(&limits));
-            let problem = invalid.take(&Field::default(), Problem::new(start, goal, limits, policy));
+            let problem = AxisProblem::new(law.family, start, goal, limits, policy);
+            let problem = invalid.take(&Field::default(), problem);
             if let Some(problem) = problem.as_ref().filter(|_| law.end_on_cycle) {
-                invalid.take(&Field::default(), note_speeds(problem));
+                invalid.take(&Field::default(), law.on_cycles(problem));
             }
             problem
         }
@@ -355,6 +413,17 @@ impl Shape {
         }
     }
 
+    /// Can the move end on a cycle?
+    fn on_cycles(self, problem: &AxisProblem) -> Result<(), InvalidFields> {
+        match problem {
+            AxisProblem::Along(problem) => note_speeds(problem),
+            AxisProblem::Between(passage) => {
+                let end = if passage.start().is_at_rest() { "goal" } else { "start" };
+                Err(InvalidFields::one(Field::named(end), not_timed(Timing::EndOnCycle)))
+            }
+        }
+    }
+
     /// The ends, put to rest where the family needs it, which is reported of each part that was not.
     fn rested(self, invalid: &mut InvalidFields, start: State, goal: State) -> (State, State) {
         if !self.family.needs_rest() {
@@ -376,8 +445,34 @@ fn wrong_duration(given: f64) -> Option<Why> {
 }
 
 fn synchronization_gap(mode: Synchronization, several: bool) -> Option<Why> {
-    (several && mode != Synchronization::None).then_some(Why::NotImplemented {
-        what: "synchronization of several axes",
-        instead: "choose SYNCHRONIZATION_NONE: each axis ends by itself and rests",
-    })
+    (several && mode != Synchronization::None).then(|| not_timed(Timing::Together))
+}
+
+/// What takes an axis longer than it needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Timing {
+    /// Several axes that arrive together, or keep to a line.
+    Together,
+    /// A duration that is given.
+    NotBefore,
+    /// A whole number of cycles, between any states.
+    EndOnCycle,
+}
+
+/// Motions of a given duration between any states are not planned yet: the one place that says so.
+pub(crate) fn not_timed(timing: Timing) -> Why {
+    let (what, instead) = match timing {
+        Timing::Together => (
+            "synchronization of several axes",
+            "choose SYNCHRONIZATION_NONE: each axis ends by itself and rests",
+        ),
+        Timing::NotBefore => (
+            "a minimum duration above the least that the limits allow",
+            "leave it out: the plan takes the least time",
+        ),
+        Timing::EndOnCycle => {
+            ("ending on a cycle from or to a motion", "leave end_on_cycle out, or begin and end at rest")
+        }
+    };
+    Why::NotImplemented { what, instead }
 }

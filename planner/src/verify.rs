@@ -8,6 +8,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::plan::{AxisPlan, Plan};
+use crate::verify_led_back::LedBack;
 use crate::{
     AdjustmentReason, Family, Law, Limits, MAX_ORDER, Profile, Quantity, Segment, Setpoint, Shortest, State,
 };
@@ -52,6 +53,9 @@ pub struct LimitCheck {
     pub margin: f64,
     /// Does the plan promise to keep it? If not, it is reported and not counted.
     pub guaranteed: bool,
+    /// When what was beyond the limit at the start, or bound to come there, is back \[s\], led as fast as can be: the rest is of
+    /// the motion but for that. `None`: of all of it.
+    pub led_back_by: Option<f64>,
 }
 
 /// The worst jump of one quantity where pieces join.
@@ -102,6 +106,12 @@ impl Certificate {
         self.limits.iter().all(LimitCheck::passed)
             && self.joins.iter().all(JoinCheck::passed)
             && self.ends.iter().all(EndCheck::passed)
+    }
+
+    /// Does the motion begin beyond a limit, and is it led back?
+    #[must_use]
+    pub fn is_led_back(&self) -> bool {
+        self.limits.iter().any(|check| check.led_back_by.is_some())
     }
 
     /// Everything that is promised and broken.
@@ -226,6 +236,8 @@ struct Promise {
     limited: [bool; MAX_ORDER + 1],
     /// It does not jump.
     joined: [bool; MAX_ORDER + 1],
+    /// A start beyond the limits is led back: what a move of limited jerk may begin with, and no other.
+    leads_back: bool,
 }
 
 impl Promise {
@@ -233,6 +245,7 @@ impl Promise {
         let mut promise = Self::keeping(plan.guaranteed());
         // Each pulse begins and ends without jerk.
         promise.joined[3] |= plan.method().family == Family::Trigonometric;
+        promise.leads_back = plan.method().family == Family::SCurve && plan.method().pvt.is_none();
         promise
     }
 
@@ -242,7 +255,7 @@ impl Promise {
         // A jump is an unlimited derivative.
         joined[..MAX_ORDER].copy_from_slice(&limited[1..]);
         joined[..2].fill(true);
-        Self { limited, joined }
+        Self { limited, joined, leads_back: false }
     }
 }
 
@@ -252,7 +265,7 @@ impl Certificate {
         let asked = |order: usize| promise.limited[order] || limits.higher(order).is_some();
         let highest = (4..=MAX_ORDER).rev().find(|&order| asked(order)).unwrap_or(3);
         let highest_joined = (3..MAX_ORDER).rev().find(|&order| promise.joined[order]).unwrap_or(2);
-        let extremes = Extremes::of(profile, limits, highest.max(highest_joined));
+        let extremes = Extremes::of(profile, limits, highest.max(highest_joined), promise.leads_back);
         let allowed = extremes.allowed(&goal);
         let jumps = Jumps::of(profile, highest.max(highest_joined + 1), promise);
 
@@ -271,8 +284,14 @@ impl Certificate {
                 }
             }
             let Worst { margin, limit, extremum, at_time } = worst;
+            let led_back_by = match order {
+                1 => extremes.led_back.velocity_by(),
+                2 => extremes.led_back.acceleration_by(),
+                _ => None,
+            };
+            let axis = axis.into();
             let check =
-                LimitCheck { axis: axis.into(), quantity, limit, extremum, at_time, margin, guaranteed };
+                LimitCheck { axis, quantity, limit, extremum, at_time, margin, guaranteed, led_back_by };
             self.limits.push(check);
         }
 
@@ -419,6 +438,9 @@ struct Extremes {
     greatest_velocity: (f64, f64),
     /// A speed up to this is a rounded zero.
     zero: f64,
+    /// The greatest speed, that of a start beyond its limit too.
+    fastest: f64,
+    led_back: LedBack,
     acceleration: Worst,
     jerk: Worst,
     /// From snap on.
@@ -428,14 +450,20 @@ struct Extremes {
 }
 
 impl Extremes {
-    fn of(profile: &Profile, limits: &Limits, highest: usize) -> Self {
+    fn of(profile: &Profile, limits: &Limits, highest: usize, leads_back: bool) -> Self {
         let start = profile.start();
+        let zero = VELOCITY_ULPS * f64::EPSILON * fastest_join(profile);
+        let moves = !profile.segments().is_empty();
+        let led_back =
+            if leads_back && moves { LedBack::of(profile, limits, zero) } else { LedBack::default() };
         let mut extremes = Self {
             least_position: (start.position, 0.0),
             greatest_position: (start.position, 0.0),
-            least_velocity: (start.velocity, 0.0),
-            greatest_velocity: (start.velocity, 0.0),
-            zero: VELOCITY_ULPS * f64::EPSILON * fastest_join(profile),
+            least_velocity: (f64::INFINITY, 0.0),
+            greatest_velocity: (f64::NEG_INFINITY, 0.0),
+            fastest: 0.0,
+            led_back,
+            zero,
             acceleration: Worst::NONE,
             jerk: Worst::NONE,
             higher: [Worst::NONE; MAX_ORDER - 3],
@@ -458,7 +486,13 @@ impl Extremes {
     }
 
     fn see_segment(&mut self, begin: f64, segment: &Segment, limits: &Limits, highest: usize) {
-        let times = segment.turning_points();
+        let mut times = segment.turning_points();
+        let inside = |t: &f64| *t > 0.0 && *t < segment.duration;
+        // Of constant jerk there are few of the others.
+        for t in self.led_back.deadlines(limits).map(|deadline| deadline - begin).filter(inside) {
+            let _full = times.try_push(t);
+            times.sort_unstable_by(f64::total_cmp);
+        }
         let mut ends = times.iter().map(|&t| (t, segment.at(t)));
         let Some((mut from, mut before)) = ends.next() else { return };
         for (to, after) in ends {
@@ -485,7 +519,10 @@ impl Extremes {
     fn see_setpoint(&mut self, time: f64, setpoint: Setpoint, travel: f64, limits: &Limits) {
         let Setpoint { state: State { position, velocity, acceleration }, jerk } = setpoint;
         widen(&mut self.least_position, &mut self.greatest_position, position, time);
-        widen(&mut self.least_velocity, &mut self.greatest_velocity, velocity, time);
+        self.fastest = self.fastest.max(velocity.abs());
+        if !self.led_back.passes_velocity(velocity, time) {
+            widen(&mut self.least_velocity, &mut self.greatest_velocity, velocity, time);
+        }
         let hardest = if travel.abs() <= self.zero {
             // Which of both it does is a matter of rounding.
             limits.acceleration().max(limits.deceleration())
@@ -494,7 +531,9 @@ impl Extremes {
         } else {
             limits.deceleration()
         };
-        self.acceleration.see_magnitude(acceleration, hardest, time);
+        if !self.led_back.passes_acceleration(acceleration, hardest, time) {
+            self.acceleration.see_magnitude(acceleration, hardest, time);
+        }
         self.jerk.see_magnitude(jerk, limits.jerk(), time);
         self.hardest[2] = self.hardest[2].max(acceleration.abs());
         self.hardest[3] = self.hardest[3].max(jerk.abs());
@@ -502,10 +541,6 @@ impl Extremes {
 
     fn extent(&self) -> f64 {
         self.greatest_position.0 - self.least_position.0
-    }
-
-    fn fastest(&self) -> f64 {
-        self.least_velocity.0.abs().max(self.greatest_velocity.0.abs())
     }
 
     /// What positions far from zero may be apart.
@@ -519,7 +554,7 @@ impl Extremes {
         let rounding = self.position_rounding().max(POSITION_ULPS * f64::EPSILON * goal.position.abs());
         let mut allowed = self.hardest.map(|hardest| JOIN_TOLERANCE * hardest + f64::MIN_POSITIVE);
         allowed[0] = JOIN_TOLERANCE * self.extent() + rounding + f64::MIN_POSITIVE;
-        allowed[1] = JOIN_TOLERANCE * self.fastest() + f64::MIN_POSITIVE;
+        allowed[1] = JOIN_TOLERANCE * self.fastest + f64::MIN_POSITIVE;
         allowed
     }
 
@@ -533,7 +568,7 @@ impl Extremes {
 
     /// The velocity that is nearest to the limit of its direction.
     fn velocity(&self, limits: &Limits) -> Worst {
-        let zero = VELOCITY_ULPS * f64::EPSILON * self.fastest();
+        let zero = VELOCITY_ULPS * f64::EPSILON * self.fastest;
         let mut worst = Worst::NONE;
         for (velocity, at_time) in [self.greatest_velocity, self.least_velocity] {
             if velocity.abs() <= zero {

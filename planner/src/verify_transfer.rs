@@ -155,6 +155,7 @@ impl Watch {
             at_time,
             margin,
             guaranteed: true,
+            led_back_by: None,
         }))
     }
 }

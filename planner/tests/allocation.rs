@@ -8,9 +8,9 @@ use std::cell::Cell;
 use std::hint::black_box;
 
 use planner::{
-    AxisKind, AxisMoveSpec, Bounds, Cursor, Family, Limits, LimitsSpec, Problem, PvtPlanner, PvtPolicy,
-    PvtTarget, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Transfer, plan, plan_between,
-    plan_move, plan_polynomial, plan_stop, plan_transfer, plan_trigonometric, plan_velocity,
+    AxisKind, AxisMoveSpec, AxisProblem, Bounds, Cursor, Family, Limits, LimitsSpec, Problem, PvtPlanner,
+    PvtPolicy, PvtTarget, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Transfer, plan,
+    plan_between, plan_move, plan_polynomial, plan_stop, plan_transfer, plan_trigonometric, plan_velocity,
 };
 
 thread_local! {
@@ -148,7 +148,8 @@ fn reading_allocates_nothing() {
     let request = Request::try_from(spec).unwrap();
     let plan = plan(&request).unwrap();
     let profile = &plan.axes()[0].profile;
-    let planned = plan_move(&request.axes()[0].problem).unwrap();
+    let AxisProblem::Along(problem) = &request.axes()[0].problem else { panic!("from rest to rest") };
+    let planned = plan_move(problem).unwrap();
     let mut cursor = Cursor::new(profile);
     let mut sampler = plan.sampler();
     let mut column = [0.0; 1300];

@@ -205,7 +205,7 @@ fn everything_that_is_wrong_is_said_at_once() {
              rest, or plan each axis by itself",
             "axes[1].start.velocity: is 3, beyond 1: begin inside the limit or raise limits.max_velocity",
             "axes[1].start.acceleration: an acceleration at the start or the goal is not implemented: begin and end \
-             with an acceleration of zero",
+             with an acceleration of zero, or choose S_CURVE",
             "axes[1].goal.velocity: is 2, beyond 1: end inside the limit or raise limits.max_velocity",
             "axes[2].kind: is not set: choose one of PRISMATIC",
             "axes[2].goal.position: is 2e60: give a finite number of at most 1e60 in magnitude",
@@ -283,7 +283,7 @@ fn what_a_later_version_will_do() {
         &["start.velocity", "goal.velocity"].map(|end| {
             format!(
                 "{end}: a velocity against the direction of travel is not implemented: begin and end with velocities \
-                 that point from the start to the goal"
+                 that point from the start to the goal, or choose S_CURVE"
             )
         })
         .each_ref()

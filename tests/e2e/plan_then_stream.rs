@@ -2,7 +2,7 @@
 
 use client::Setpoints;
 use e2e::{Loopback, fifty_millimetres, move_of, open, planned};
-use planner::{AxisMoveSpec, Judged, Setpoint, State};
+use planner::{AxisMoveSpec, Judged, Setpoint, ShortPathPolicy, State};
 use proto::Digest;
 use proto::stream::{Open, StreamEventKind};
 
@@ -91,6 +91,35 @@ async fn a_plan_that_ends_at_speed_closes_with_a_stop() {
     let (_, _, end) = play(&mut stream).await;
     assert_eq!((end.state.velocity, end.state.acceleration), (0.0, 0.0));
     assert!(end.state.position > 0.05);
+}
+
+/// From motion past the goal and back, and from beyond the limits: planned, judged again elsewhere, and played.
+#[tokio::test]
+async fn a_move_between_any_states_is_planned_and_played() {
+    let server = Loopback::start().await;
+    let client = server.client().await;
+    let moving = |velocity, acceleration| State { position: 0.01, velocity, acceleration };
+    for (name, start, leads_back) in
+        [("turns back", moving(0.2, 2.0), false), ("led back", moving(-0.4, -4.0), true)]
+    {
+        let mut spec = fifty_millimetres();
+        spec.short_path = Ok(ShortPathPolicy::Reverse);
+        spec.axes[0].start = start;
+        spec.axes[0].goal = State { acceleration: 1.5, velocity: 0.1, position: 0.0105 };
+        let judged = client.plan(spec.clone()).await.unwrap();
+        assert_eq!(judged.plan(), planned(spec).plan(), "{name}");
+        assert!(judged.certificate().passed(), "{name}");
+        assert_eq!(judged.certificate().is_led_back(), leads_back, "{name}");
+        let elsewhere = Loopback::start().await;
+        let again = elsewhere.client().await.verify(judged.plan(), Vec::new()).await.unwrap();
+        assert_eq!(&again, judged.certificate(), "{name}");
+
+        let mut stream =
+            Setpoints::open(&client, open(name, judged.clone().accepted().unwrap())).await.unwrap();
+        let (_, _, end) = play(&mut stream).await;
+        assert_eq!((end.state.velocity, end.state.acceleration), (0.0, 0.0), "{name}");
+        assert_eq!(stream.buffer().counters().refused_batches, 0, "{name}");
+    }
 }
 
 #[tokio::test]

@@ -49,6 +49,9 @@ pub(crate) fn certificate(screen: &mut Screen<'_>, plan: &Plan, certificate: &Ce
     screen
         .out
         .write_all(fitted(|digits| limits_table(plan, certificate, digits)).render(paint).as_bytes())?;
+    for sentence in led_back(certificate) {
+        writeln!(screen.out, "{}", wrapped(&sentence, "  "))?;
+    }
     writeln!(screen.out)?;
     screen.out.write_all(fitted(|_| ends_table(plan, certificate)).render(paint).as_bytes())?;
     if !certificate.passed() {
@@ -236,12 +239,26 @@ fn limits_table(plan: &Plan, certificate: &Certificate, digits: i32) -> Table {
             .iter()
             .map(|check| match (check.passed(), check.guaranteed) {
                 (false, _) => Verdict::Failed,
+                (true, true) if check.led_back_by.is_some() => Verdict::LedBack,
                 (true, true) => Verdict::Ok,
                 (true, false) => Verdict::NotPromised,
             })
             .collect(),
     );
     table
+}
+
+/// What begins beyond a limit, and when it is back, in a sentence for each.
+fn led_back(certificate: &Certificate) -> impl Iterator<Item = String> {
+    certificate.limits.iter().filter(|check| check.passed()).filter_map(|check| {
+        let LimitCheck { axis, quantity, .. } = check;
+        let by = plain(check.led_back_by?);
+        Some(format!(
+            "The {quantity} of {} begins beyond its limit, or bound for there, and is led back by {by}\u{a0}s; the row \
+             above is of the rest.",
+            clean(axis)
+        ))
+    })
 }
 
 /// Joins and ends: the judge has one of each for every axis and quantity.
@@ -426,6 +443,7 @@ struct Column {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
     Ok,
+    LedBack,
     NotPromised,
     Failed,
 }
@@ -434,6 +452,7 @@ impl Verdict {
     fn text(self) -> &'static str {
         match self {
             Self::Ok => "ok",
+            Self::LedBack => "led back",
             Self::NotPromised => "not promised",
             Self::Failed => "FAILED",
         }
@@ -441,7 +460,7 @@ impl Verdict {
 
     fn painted(self, paint: Paint) -> String {
         match self {
-            Self::Ok => paint.good(self.text()),
+            Self::Ok | Self::LedBack => paint.good(self.text()),
             Self::NotPromised => paint.quiet(self.text()),
             Self::Failed => paint.bad(self.text()),
         }

@@ -90,7 +90,8 @@ pub(super) fn prove(under_way: &UnderWay<'_>, axes: Vec<AxisPlan>) -> Result<Pro
         Ok(plan) => Ok(Proved { plan, beyond }),
         Err(rejection) => Err(Objection::Rejected(rejection)),
     };
-    if judged.certificate().passed() {
+    // What the judge lets pass on its way back is stated all the same.
+    if judged.certificate().passed() && !judged.certificate().is_led_back() {
         return accept(judged, Vec::new());
     }
     let mut beyond = Vec::new();

@@ -58,6 +58,11 @@ pub fn plan_move(problem: &Problem) -> Result<Move, InvalidFields> {
     Ok(planned)
 }
 
+/// Would the move have to turn back, where nothing else is to be given up?
+pub(crate) fn has_to_turn_back(problem: &Problem) -> bool {
+    problem.short_path() == ShortPathPolicy::Reverse && Lane::of(problem, problem.direction()).is_too_short()
+}
+
 /// The time-optimal move of constant acceleration in pieces, in the direction of travel: the jerk is not limited, and the
 /// limit on it is not read.
 ///

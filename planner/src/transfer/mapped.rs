@@ -162,27 +162,25 @@ fn standstills(segment: &Segment) -> arrayvec::ArrayVec<f64, 2> {
     quadratic(0.5 * jerk, segment.start.acceleration, segment.start.velocity)
 }
 
-/// Does the motion stay inside the position range?
+/// Does the motion stay inside the position range? If not, where it goes farthest.
 pub(super) fn within_range(planned: &Transit, limits: &Limits) -> Result<(), InvalidFields> {
     let mut begin = 0.0;
+    let mut farthest: Option<(f64, Why)> = None;
     for segment in planned.segments() {
         for t in segment.turning_points() {
             let reached = segment.at(t).state.position;
-            let rounding = 8.0 * f64::EPSILON * reached.abs();
             let time = begin + t;
-            let (allowed, limit) = if reached > limits.max_position() + rounding {
-                (limits.max_position(), "limits.max_position")
-            } else if reached < limits.min_position() - rounding {
-                (limits.min_position(), "limits.min_position")
-            } else {
-                continue;
-            };
-            return Err(InvalidFields::one(
-                Field::default(),
-                Why::PositionLimit { reached, time, allowed, limit },
-            ));
+            let rounding = 8.0 * f64::EPSILON * reached.abs();
+            for (outside, allowed, limit) in [
+                (reached - limits.max_position(), limits.max_position(), "limits.max_position"),
+                (limits.min_position() - reached, limits.min_position(), "limits.min_position"),
+            ] {
+                if outside > farthest.as_ref().map_or(rounding, |(outside, _)| *outside) {
+                    farthest = Some((outside, Why::PositionLimit { reached, time, allowed, limit }));
+                }
+            }
         }
         begin += segment.duration;
     }
-    Ok(())
+    farthest.map_or(Ok(()), |(_, why)| Err(InvalidFields::one(Field::default(), why)))
 }

@@ -10,7 +10,17 @@ impl From<&Certificate> for pb::PlanCertificate {
         Self {
             limit_checks: limits
                 .iter()
-                .map(|LimitCheck { axis, quantity, limit, extremum, at_time, margin, guaranteed }| {
+                .map(|check| {
+                    let LimitCheck {
+                        axis,
+                        quantity,
+                        limit,
+                        extremum,
+                        at_time,
+                        margin,
+                        guaranteed,
+                        led_back_by,
+                    } = check;
                     wire::LimitCheck {
                         axis: axis.clone(),
                         quantity: quantity_to_wire(*quantity),
@@ -19,6 +29,7 @@ impl From<&Certificate> for pb::PlanCertificate {
                         at_time: *at_time,
                         margin: *margin,
                         guaranteed: *guaranteed,
+                        led_back_by: *led_back_by,
                     }
                 })
                 .collect(),
@@ -62,10 +73,19 @@ impl TryFrom<pb::PlanCertificate> for Certificate {
         };
         let mut certificate = Self::default();
         for (index, check) in limit_checks.into_iter().enumerate() {
-            let wire::LimitCheck { axis, quantity: given, limit, extremum, at_time, margin, guaranteed } =
-                check;
+            let wire::LimitCheck {
+                axis,
+                quantity: given,
+                limit,
+                extremum,
+                at_time,
+                margin,
+                guaranteed,
+                led_back_by,
+            } = check;
             let quantity = quantity("limit_checks", index, given)?;
-            let check = LimitCheck { axis, quantity, limit, extremum, at_time, margin, guaranteed };
+            let check =
+                LimitCheck { axis, quantity, limit, extremum, at_time, margin, guaranteed, led_back_by };
             certificate.limits.push(check);
         }
         for (index, check) in continuity_checks.into_iter().enumerate() {

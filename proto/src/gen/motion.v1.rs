@@ -82,10 +82,12 @@ pub struct AxisMove {
     /// What the axis moves in, and with it the unit u of all its numbers.
     #[prost(enumeration = "AxisKind", tag = "2")]
     pub kind: i32,
-    /// State at time 0. Unset: at rest at position 0.
+    /// State at time 0. Unset: at rest at position 0. Of S_CURVE velocity and acceleration may be any, also
+    /// against the travel and beyond the limits, into which they are led back first.
     #[prost(message, optional, tag = "3")]
     pub start: ::core::option::Option<AxisState>,
-    /// State to arrive in. Unset: at rest at position 0.
+    /// State to arrive in, inside the limits. Unset: at rest at position 0. Of S_CURVE with any velocity and
+    /// acceleration.
     #[prost(message, optional, tag = "4")]
     pub goal: ::core::option::Option<AxisState>,
     /// What the axis may do. Needed.
@@ -373,6 +375,11 @@ pub mod plan_certificate {
         /// False: the family of the plan does not keep this limit; reported, and not counted in passed.
         #[prost(bool, tag = "7")]
         pub guaranteed: bool,
+        /// Set where the start is beyond the limit, or bound to come there, and the motion leads it back
+        /// as fast as can be: when it is back \[s\]. Limit, extremum and margin are those of the motion but
+        /// for that way back; a motion that takes longer over it fails.
+        #[prost(double, optional, tag = "8")]
+        pub led_back_by: ::core::option::Option<f64>,
     }
     impl ::prost::Name for LimitCheck {
         const NAME: &'static str = "LimitCheck";
@@ -982,7 +989,9 @@ impl ProfileFamily {
         }
     }
 }
-/// What to do when the path is too short to change from the start to the end velocity.
+/// What to do when the path is too short to change from the start to the end velocity. It is a question
+/// of moves along the travel: a start or a goal that accelerates, moves against the travel or, at the
+/// start, beyond a limit has every end condition kept, as by REVERSE, whatever the policy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
 pub enum ShortPathPolicy {
