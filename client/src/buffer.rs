@@ -105,6 +105,18 @@ impl Buffer {
         self.adopted.motion_end
     }
 
+    /// Is the motion at rest, with nothing of it to come but what an operation asks for?
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.executed >= self.adopted.motion_end
+    }
+
+    /// Is it at rest where it was to go, and not held on its way?
+    #[must_use]
+    pub fn has_arrived(&self) -> bool {
+        self.is_at_rest() && self.adopted.arrives
+    }
+
     /// The revision of the motion that is adopted.
     #[must_use]
     pub fn revision(&self) -> u64 {

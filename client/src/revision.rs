@@ -1,6 +1,6 @@
 use planner::Plan;
 use proto::Digest;
-use proto::stream::Motion;
+use proto::stream::{Motion, Phase};
 
 use crate::JoinRule;
 
@@ -14,6 +14,8 @@ pub struct Revision {
     pub(crate) digest_before: Digest,
     /// The cycle from which the motion is at rest.
     pub(crate) motion_end: u64,
+    /// Is that the end of what was asked for, and not a hold?
+    pub(crate) arrives: bool,
     pub(crate) rules: Vec<JoinRule>,
 }
 
@@ -26,6 +28,10 @@ impl Revision {
             from_cycle: motion.under_way.from_cycle(),
             digest_before: motion.digest_before,
             motion_end: motion.last_cycle(),
+            arrives: match motion.under_way.phase_at(motion.last_cycle()) {
+                Phase::Standstill | Phase::Finished => true,
+                Phase::Moving | Phase::Holding | Phase::Stopping => false,
+            },
             rules: JoinRule::of(motion.plan()),
         }
     }
@@ -33,7 +39,8 @@ impl Revision {
     /// Of a plan that a stream opens with.
     pub(crate) fn opened(plan: &Plan) -> Self {
         let rules = JoinRule::of(plan);
-        Self { number: 0, from_cycle: 0, digest_before: Digest::ZERO, motion_end: u64::MAX, rules }
+        let (digest_before, motion_end) = (Digest::ZERO, u64::MAX);
+        Self { number: 0, from_cycle: 0, digest_before, motion_end, arrives: true, rules }
     }
 
     /// May this revision begin with a batch at `first_cycle`, after `adopted`? At its own first cycle; or anywhere, where it
