@@ -6,6 +6,8 @@
     reason = "helpers of tests fail by panicking"
 )]
 
+mod rig;
+
 use std::net::SocketAddr;
 
 use client::Client;
@@ -18,6 +20,7 @@ use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::Open;
 use server::{Config, Server};
 use sim_axis::SimAxis;
+pub use rig::{Answer, Delays, Rig, difference, replay};
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 use tonic::transport::{Channel, Endpoint};

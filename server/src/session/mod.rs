@@ -66,6 +66,8 @@ pub struct Session {
     queue: Queue,
     /// What became of the last operations, also of those that changed nothing.
     recent: Vec<OperationResult>,
+    /// When the last of them took effect, which may be still to come: nothing is done before it.
+    effective: u64,
     close_at_rest: bool,
     batch_cycles: u64,
     credit: Credit,
@@ -107,6 +109,7 @@ impl Session {
             splice: None,
             queue: Queue::default(),
             recent: Vec::new(),
+            effective: 0,
             close_at_rest,
             batch_cycles,
             credit: Credit::first(u64::from(lead_cycles)),

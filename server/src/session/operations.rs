@@ -81,7 +81,7 @@ impl Session {
         let replaceable = sent >= self.pace.first_replaceable(executed);
         let farthest = if replaceable { sent } else { sent + 1 };
         let soonest = (executed + self.pace.margin(refusals)).min(farthest);
-        Some(soonest.max(not_before).max(self.adopted.motion.under_way.from_cycle()))
+        Some(soonest.max(not_before).max(self.effective))
     }
 
     fn plan(&mut self, waiting: Waiting, cycle: u64) {
@@ -158,6 +158,7 @@ impl Session {
     }
 
     fn remember(&mut self, result: OperationResult) {
+        self.effective = result.effective_cycle;
         if self.recent.len() >= RECENT_RESULTS {
             self.recent.remove(0);
         }

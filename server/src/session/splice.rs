@@ -49,9 +49,9 @@ impl Splice {
         let result = result(&waiting.request_id, &spliced);
         let kept = recent.len().saturating_sub(RECENT_RESULTS - 1);
         let recent = recent[kept..].iter().cloned().chain([result.clone()]).collect();
-        let Spliced { motion: under_way, effective_cycle, changes, .. } = spliced;
+        let Spliced { motion: under_way, effective_cycle, .. } = spliced;
         // A plan that goes on keeps its cycle and what came before it.
-        let parts = under_way.from_cycle() == effective_cycle && changes;
+        let parts = under_way.from_cycle() == effective_cycle;
         let digest_before = match effective_cycle.checked_sub(1) {
             Some(before) if parts => adopted.digest_at(before),
             _ => adopted.motion.digest_before,
