@@ -5,7 +5,7 @@ use planner::{Plan, Setpoint};
 use proto::Digest;
 use proto::stream::{Batch, Counters, RefusalReason, Refused, Report};
 
-use crate::JoinRule;
+use crate::Revision;
 
 /// The setpoints that an axis holds, from the last one that it executed to the last one that it accepted.
 ///
@@ -16,13 +16,19 @@ use crate::JoinRule;
 ///  ───●──────────────────●───► cycles       a batch begins at accepted + 1, or replaces what is held
 ///                                           beyond executed + guard
 /// ```
+///
+/// # Revisions
+/// What the server announces is [announced](Self::announce) here, and adopted with the first batch of it that is accepted: from
+/// then on nothing of the revision before it is. A batch that is refused adopts nothing and changes nothing.
 #[derive(Clone, Debug)]
 pub struct Buffer {
-    rules: Vec<JoinRule>,
+    adopted: Revision,
+    announced: Option<Revision>,
+    /// Was adopted before: freed where there is time for it.
+    retired: Option<Revision>,
     epoch: u64,
     lead: u64,
     guard: u64,
-    revision: u64,
     /// Ring: the row of cycle c begins at (c mod capacity) · axes. Holds executed ..= accepted.
     rows: Vec<Setpoint>,
     digests: Vec<Digest>,
@@ -30,8 +36,6 @@ pub struct Buffer {
     accepted: u64,
     /// The cycle after which nothing follows, once it is known.
     last: Option<u64>,
-    /// The cycle at which the motion has come to rest, where the axis knows it.
-    motion_end: u64,
     counters: Counters,
 }
 
@@ -65,33 +69,75 @@ impl Buffer {
     /// An axis that stands, and holds nothing yet.
     #[must_use]
     pub fn new(standing: &Standing<'_>) -> Self {
-        let rules = JoinRule::of(standing.plan);
+        let adopted = Revision::opened(standing.plan);
+        let axes = adopted.rules.len();
         let lead = u64::from(standing.lead_cycles.max(1));
         // The executed cycle is held besides, since the next one has to join it.
         let capacity = lead as usize + 1;
-        let mut rows = vec![Setpoint::default(); capacity * rules.len()];
-        for (row, setpoint) in rows.iter_mut().zip(standing.setpoints).take(rules.len()) {
+        let mut rows = vec![Setpoint::default(); capacity * axes];
+        for (row, setpoint) in rows.iter_mut().zip(standing.setpoints).take(axes) {
             *row = *setpoint;
         }
         Self {
-            rules,
+            adopted,
+            announced: None,
+            retired: None,
             epoch: standing.epoch,
             lead,
             guard: u64::from(standing.axis_guard),
-            revision: 0,
             rows,
             digests: vec![Digest::ZERO; capacity],
             executed: 0,
             accepted: 0,
             last: None,
-            motion_end: u64::MAX,
             counters: Counters { least_lead_cycles: lead, ..Counters::default() },
         }
     }
 
     /// The motion is at rest from `cycle` on: once that is held, a small lead does no harm, and is not counted.
     pub fn motion_ends_at(&mut self, cycle: u64) {
-        self.motion_end = cycle;
+        self.adopted.motion_end = cycle;
+    }
+
+    /// The cycle from which the adopted motion is at rest, where that is known.
+    #[must_use]
+    pub fn motion_end(&self) -> u64 {
+        self.adopted.motion_end
+    }
+
+    /// Is the motion at rest, with nothing of it to come but what an operation asks for?
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.executed >= self.adopted.motion_end
+    }
+
+    /// Is it at rest where it was to go, and not held on its way?
+    #[must_use]
+    pub fn has_arrived(&self) -> bool {
+        self.is_at_rest() && self.adopted.arrives
+    }
+
+    /// The revision of the motion that is adopted.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.adopted.number
+    }
+
+    /// Is a revision announced and not adopted?
+    #[must_use]
+    pub fn awaits_revision(&self) -> bool {
+        self.announced.is_some()
+    }
+
+    /// Takes note of what the server will send next; of another epoch it is dropped and counted. Gives back what is not needed
+    /// any more, to be freed by the caller.
+    pub fn announce(&mut self, epoch: u64, revision: Revision) -> Option<Revision> {
+        if epoch != self.epoch {
+            self.counters.stale_epochs += 1;
+            return Some(revision);
+        }
+        // What was announced before was refused, or the server would not announce again.
+        self.announced.replace(revision).or_else(|| self.retired.take())
     }
 
     /// How many cycles are held at most.
@@ -170,12 +216,10 @@ impl Buffer {
     fn try_accept(&mut self, batch: &Batch) -> Result<(), RefusalReason> {
         let first = batch.first_cycle;
         let cycles = batch.columns.cycles() as u64;
-        if first == 0 || cycles == 0 || batch.columns.axes() != self.rules.len() {
+        if first == 0 || cycles == 0 || batch.columns.axes() != self.adopted.rules.len() {
             return Err(RefusalReason::NotFinite);
         }
-        if batch.revision != self.revision {
-            return Err(RefusalReason::Revision);
-        }
+        let begins = self.begins_revision(batch)?;
         if first > self.accepted + 1 {
             return Err(RefusalReason::Gap);
         }
@@ -189,8 +233,11 @@ impl Buffer {
         let known = if batch.replaces { 0 } else { (self.accepted + 1 - first).min(cycles) };
         self.compare_held(batch, known)?;
         let new = known..cycles;
-        self.check_new(batch, new.clone())?;
+        self.check_new(batch, new.clone(), begins)?;
         self.counters.duplicate_cycles += known;
+        if begins {
+            self.adopt();
+        }
         if new.is_empty() {
             return Ok(());
         }
@@ -198,10 +245,33 @@ impl Buffer {
             self.hold(batch, index as usize);
         }
         self.accepted = end;
-        if batch.last {
-            self.last = Some(end);
-        }
+        self.last = batch.last.then_some(end);
         Ok(())
+    }
+
+    /// Is it the first batch of the revision that is announced, and not one of the adopted revision?
+    fn begins_revision(&self, batch: &Batch) -> Result<bool, RefusalReason> {
+        if batch.revision == self.adopted.number {
+            return Ok(false);
+        }
+        let announced = self.announced.as_ref().filter(|announced| announced.number == batch.revision);
+        let announced = announced.ok_or(RefusalReason::Revision)?;
+        let first = batch.first_cycle;
+        if !announced.begins_at(first, &self.adopted) {
+            return Err(RefusalReason::Revision);
+        }
+        let held = first > self.executed && first <= self.accepted + 1;
+        let parts = first == announced.from_cycle && held;
+        if parts && self.digests[self.slot(first - 1)] != announced.digest_before {
+            return Err(RefusalReason::DigestMismatch);
+        }
+        Ok(true)
+    }
+
+    fn adopt(&mut self) {
+        if let Some(announced) = self.announced.take() {
+            self.retired = Some(std::mem::replace(&mut self.adopted, announced));
+        }
     }
 
     /// Are the first `known` cycles of the batch those that are held? What has been executed is not held any more, and
@@ -225,11 +295,16 @@ impl Buffer {
     }
 
     /// Are the cycles at `new` finite, does each join the one before it, and do they have the digest that is claimed?
-    fn check_new(&self, batch: &Batch, new: std::ops::Range<u64>) -> Result<(), RefusalReason> {
+    ///
+    /// Where a revision begins, its first cycle still belongs to the motion before it: it is the end of the last cycle of that.
+    fn check_new(&self, batch: &Batch, new: std::ops::Range<u64>, begins: bool) -> Result<(), RefusalReason> {
+        let adopted = &self.adopted.rules;
+        let announced =
+            self.announced.as_ref().filter(|_| begins).map_or(adopted, |revision| &revision.rules);
         let mut digest = self.digests[self.slot(batch.first_cycle + new.start - 1)];
         for index in new.clone() {
             let cycle = batch.first_cycle + index;
-            for (axis, rule) in self.rules.iter().enumerate() {
+            for (axis, (rule, before_it)) in announced.iter().zip(adopted).enumerate() {
                 let next = batch.columns.at(axis, index as usize).ok_or(RefusalReason::NotFinite)?;
                 let before = if index == new.start {
                     self.row(cycle - 1)[axis]
@@ -239,7 +314,8 @@ impl Buffer {
                 if !next.is_finite() {
                     return Err(RefusalReason::NotFinite);
                 }
-                if !rule.joins(&before, &next) {
+                let is_first = begins && index == new.start;
+                if !(rule.joins(&before, &next) || (is_first && before_it.joins(&before, &next))) {
                     return Err(RefusalReason::JoinMismatch);
                 }
             }
@@ -256,7 +332,7 @@ impl Buffer {
         let cycle = batch.first_cycle + index as u64;
         let before = self.digests[self.slot(cycle - 1)];
         let slot = self.slot(cycle);
-        let axes = self.rules.len();
+        let axes = self.adopted.rules.len();
         for (place, setpoint) in
             self.rows[slot * axes..(slot + 1) * axes].iter_mut().zip(batch.columns.cycle(index))
         {
@@ -272,7 +348,7 @@ impl Buffer {
             return None;
         }
         self.executed += 1;
-        if self.last.is_none() && self.accepted < self.motion_end {
+        if self.last.is_none() && self.accepted < self.adopted.motion_end {
             self.counters.least_lead_cycles = self.counters.least_lead_cycles.min(self.held());
         }
         self.playing()
@@ -293,7 +369,7 @@ impl Buffer {
             executed_cycle: self.executed,
             accepted_cycle: self.accepted,
             grant_cycle: self.executed + self.lead,
-            revision: self.revision,
+            revision: self.adopted.number,
             digest: self.digest(),
             refused,
             tail_from_cycle: None,
@@ -307,7 +383,7 @@ impl Buffer {
     }
 
     fn row(&self, cycle: u64) -> &[Setpoint] {
-        let (slot, axes) = (self.slot(cycle), self.rules.len());
+        let (slot, axes) = (self.slot(cycle), self.adopted.rules.len());
         &self.rows[slot * axes..(slot + 1) * axes]
     }
 }

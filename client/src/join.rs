@@ -1,8 +1,9 @@
-use planner::{AxisPlan, Plan, Quantity, Setpoint};
+use planner::{AxisPlan, Plan, Profile, Quantity, Setpoint, State};
 
 /// Relative slack on the bounds \[1\], for limits that are kept to 1e-9.
 const SLACK: f64 = 1e-6;
-/// Units in the last place of the larger of two values that their difference may be off by.
+/// Units in the last place of the largest value of a whole motion that the difference of two of its values may be off by.
+/// A piece begins where the one before it ended, rounded there; so a value near zero carries the roundings of the largest.
 const ULPS: f64 = 4.0;
 
 /// Does one setpoint follow from the one before it, one cycle T later, within what the plan guarantees?
@@ -16,10 +17,14 @@ const ULPS: f64 = 4.0;
 ///
 /// With no more than acceleration at most A guaranteed, |Δp − T·(v₀ + v₁)/2| ≤ A·T²/4; with nothing guaranteed, any finite
 /// setpoint follows.
+///
+/// Each is allowed 4 units in the last place of the largest value that its quantity has in the whole motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JoinRule {
     cycle: f64,
     bound: Bound,
+    /// What roundings may be worth: of position, velocity and acceleration.
+    roundings: State,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +48,8 @@ impl JoinRule {
                 Bound::None
             }
         };
-        plan.axes().iter().map(|axis| Self { cycle, bound: bound(axis) }).collect()
+        let rule = |axis: &AxisPlan| Self { cycle, bound: bound(axis), roundings: roundings(&axis.profile) };
+        plan.axes().iter().map(rule).collect()
     }
 
     /// Does `next` follow from `before`? Never where a number is not finite.
@@ -52,21 +58,41 @@ impl JoinRule {
         let (p, q, t) = (&before.state, &next.state, self.cycle);
         let velocity_off = q.velocity - p.velocity - 0.5 * t * (p.acceleration + q.acceleration);
         let position_off = q.position - p.position - 0.5 * t * (p.velocity + q.velocity);
-        let positions = (p.position, q.position);
         match self.bound {
             Bound::Jerk(jerk) => {
-                within(q.acceleration - p.acceleration, jerk * t, (p.acceleration, q.acceleration))
-                    && within(velocity_off, jerk * t * t / 4.0, (p.velocity, q.velocity))
-                    && within(position_off, jerk * t * t * t / 12.0, positions)
+                within(q.acceleration - p.acceleration, jerk * t, self.roundings.acceleration)
+                    && within(velocity_off, jerk * t * t / 4.0, self.roundings.velocity)
+                    && within(position_off, jerk * t * t * t / 12.0, self.roundings.position)
             }
-            Bound::Acceleration(acceleration) => within(position_off, acceleration * t * t / 4.0, positions),
+            Bound::Acceleration(acceleration) => {
+                within(position_off, acceleration * t * t / 4.0, self.roundings.position)
+            }
             Bound::None => next.is_finite(),
         }
     }
 }
 
-/// Is `off` within `bound`, where it is a difference of two `values`? Not if it is NaN.
-fn within(off: f64, bound: f64, values: (f64, f64)) -> bool {
-    let rounding = ULPS * f64::EPSILON * values.0.abs().max(values.1.abs());
+/// Is `off` within `bound`, but for `rounding`? Not if it is NaN.
+fn within(off: f64, bound: f64, rounding: f64) -> bool {
     off.abs() <= bound * (1.0 + SLACK) + rounding
+}
+
+fn roundings(profile: &Profile) -> State {
+    let mut largest = State::default();
+    let mut see = |state: State| {
+        largest.position = largest.position.max(state.position.abs());
+        largest.velocity = largest.velocity.max(state.velocity.abs());
+        largest.acceleration = largest.acceleration.max(state.acceleration.abs());
+    };
+    see(profile.end());
+    for segment in profile.segments() {
+        see(segment.start);
+        segment.turning_points().into_iter().for_each(|t| see(segment.at(t).state));
+    }
+    let worth = |value: f64| ULPS * f64::EPSILON * value;
+    State {
+        position: worth(largest.position),
+        velocity: worth(largest.velocity),
+        acceleration: worth(largest.acceleration),
+    }
 }

@@ -4,15 +4,18 @@
 //! - [`Client`]: asks a server for plans, and opens streams
 //! - [`Setpoints`]: the cycles of a stream in order; a gap is an error, not a shrug
 //! - [`Buffer`]: the rule by which an axis accepts setpoints, for those who own the clock: no allocation, no waiting
+//! - [`Client::control`], [`control`]: operations on a stream that an axis has opened
 //! - [`Link`]: the messages of a stream as they come, for those who own a buffer
 //!
 //! Domain types go in and come out; the wire stays inside.
 
 mod address;
 mod buffer;
+mod control;
 mod error;
 mod join;
 mod link;
+mod revision;
 mod setpoints;
 
 use std::time::Duration;
@@ -21,16 +24,18 @@ use planner::{Certificate, Judged, JudgedPvt, Plan, PvtRequestSpec, RequestSpec}
 use prost::Message;
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
-use proto::stream::{Columns, FromAxis, Open};
+use proto::stream::{Columns, FromAxis, Open, Operation, OperationResult};
 use proto::{Against, Chunk, Digest, MAX_MESSAGE_BYTES, pb};
 use tonic::Streaming;
 use tonic::transport::Channel;
 
 pub use address::address;
 pub use buffer::{Buffer, Playing, Standing};
+pub use control::control;
 pub use error::Error;
 pub use join::JoinRule;
 pub use link::{Link, Reports};
+pub use revision::Revision;
 pub use setpoints::Setpoints;
 
 /// A connection to one server.
@@ -159,6 +164,19 @@ impl Client {
     pub async fn open(&self, open: Open) -> Result<(Reports, Link), Error> {
         let first = self.fits(proto::request_to_wire(&FromAxis::Open(Box::new(open))))?;
         link::open(self.setpoints.clone(), &self.endpoint, first).await
+    }
+
+    /// Does an operation on a stream that this server serves, and tells what became of it.
+    ///
+    /// # Errors
+    /// [`Error::Rejected`] with [`Reason::StreamNotHere`](proto::Reason::StreamNotHere) where another server serves it, and
+    /// for operations that are refused.
+    pub async fn control(&self, stream: &str, operation: Operation) -> Result<OperationResult, Error> {
+        let operation = Some(operation.into());
+        let request = pb::ControlStreamRequest { stream: stream.into(), operation };
+        let response = self.setpoints.clone().control_stream(self.fits(request)?).await;
+        let result = self.answer(response)?.result;
+        result.map(Into::into).ok_or_else(|| Error::Protocol("an answer without a result".into()))
     }
 
     fn fits<M: Message>(&self, request: M) -> Result<M, Error> {

@@ -105,7 +105,8 @@ fn off_line(asked: &[Question], transits: &[Transit]) -> f64 {
         let gone = |axis: usize| transits[axis].at(t).state.position - asked[axis].start.position;
         for axis in 0..asked.len() {
             let off = gone(axis) - gone(longest) * ways[axis] / ways[longest];
-            let rounding = 16.0 * f64::EPSILON * (asked[axis].start.position.abs() + asked[axis].goal.position.abs());
+            let rounding =
+                16.0 * f64::EPSILON * (asked[axis].start.position.abs() + asked[axis].goal.position.abs());
             worst = worst.max((off.abs() - rounding) / ways[longest].abs());
         }
     }
@@ -123,7 +124,8 @@ fn line_of(asked: &[Question]) -> Question {
             .map(|asked| limit(&asked.bounds) / (way(asked) / way(leader)).abs())
             .fold(f64::INFINITY, f64::min)
     };
-    let (velocity, acceleration) = (allowed(|bounds| bounds.max_velocity), allowed(|bounds| bounds.max_acceleration));
+    let (velocity, acceleration) =
+        (allowed(|bounds| bounds.max_velocity), allowed(|bounds| bounds.max_acceleration));
     let bounds = BoundsSpec {
         min_velocity: -velocity,
         max_velocity: velocity,
@@ -148,26 +150,42 @@ fn never_longer_than_the_records() {
         let (agreed, _) = planned(&asked, Synchronization::Time, timing);
         if record.collinear {
             // Where one axis alone does not bind all the way, the peer leaves the line; so it is asked for the line itself.
-            if let Err(refusal) = together(&transfers(&asked), Synchronization::Phase, timing, &mut Vec::new()) {
-                let swept = refusal.as_slice().iter().all(|one| matches!(one.why, Why::StartOutsideLimits { .. }));
+            if let Err(refusal) =
+                together(&transfers(&asked), Synchronization::Phase, timing, &mut Vec::new())
+            {
+                let swept =
+                    refusal.as_slice().iter().all(|one| matches!(one.why, Why::StartOutsideLimits { .. }));
                 assert!(swept, "{index}: {refusal}");
                 swept_beyond += 1;
                 continue;
             }
             let (agreed, transits) = planned(&asked, Synchronization::Phase, timing);
-            let theirs = line_peer.duration(&peer::question(&line_of(&asked))).unwrap().max(timing.minimum_duration);
+            let theirs =
+                line_peer.duration(&peer::question(&line_of(&asked))).unwrap().max(timing.minimum_duration);
             assert!(agreed.duration <= theirs * (1.0 + SLACK), "{index}: {agreed:?}, theirs {theirs}");
-            assert!(agreed.duration >= record.duration * (1.0 - SLACK), "{index}: {agreed:?}, theirs {}", record.duration);
+            assert!(
+                agreed.duration >= record.duration * (1.0 - SLACK),
+                "{index}: {agreed:?}, theirs {}",
+                record.duration
+            );
             left_by_the_peer += u32::from(agreed.duration > record.duration * (1.0 + SLACK));
             let off = off_line(&asked, &transits);
             assert!(off <= END, "{index}: {off:e} off the line");
             on_line += 1;
         } else {
             // Where there is no line the peer synchronizes in time.
-            assert!(agreed.duration <= record.duration * (1.0 + SLACK), "{index}: {agreed:?}, theirs {}", record.duration);
+            assert!(
+                agreed.duration <= record.duration * (1.0 + SLACK),
+                "{index}: {agreed:?}, theirs {}",
+                record.duration
+            );
             if record.sync == "phase" {
-                let refusal = together(&transfers(&asked), Synchronization::Phase, timing, &mut Vec::new()).unwrap_err();
-                assert!(refusal.as_slice().iter().all(|one| matches!(one.why, Why::OffTheLine { .. })), "{refusal}");
+                let refusal = together(&transfers(&asked), Synchronization::Phase, timing, &mut Vec::new())
+                    .unwrap_err();
+                assert!(
+                    refusal.as_slice().iter().all(|one| matches!(one.why, Why::OffTheLine { .. })),
+                    "{refusal}"
+                );
             }
         }
         if agreed.duration < record.duration * (1.0 - SLACK) {
@@ -202,7 +220,8 @@ fn compare(count: u32, seed: u64) {
             let asked = questions(&mut random, kind, axes);
             let (ours, _) = planned(&asked, Synchronization::Time, Timing::default());
             tally.asked += 1;
-            let least = transfers(&asked).iter().map(|axis| axis.fastest().unwrap().duration()).fold(0.0, f64::max);
+            let least =
+                transfers(&asked).iter().map(|axis| axis.fastest().unwrap().duration()).fold(0.0, f64::max);
             tally.blocked += u32::from(ours.duration > least * (1.0 + SLACK));
             if ours.duration < NOTHING {
                 continue;
@@ -257,7 +276,10 @@ fn ends_on_a_cycle() {
             let timing = Timing { minimum_duration: 0.0, end_on: Some(cycle) };
             let (agreed, _) = planned(&asked, Synchronization::Time, timing);
             let cycles = cycle.count(agreed.duration).unwrap();
-            assert!((agreed.duration - cycle.start_of(cycles)).abs() <= 1e-11 * agreed.duration, "{agreed:?}: {asked:?}");
+            assert!(
+                (agreed.duration - cycle.start_of(cycles)).abs() <= 1e-11 * agreed.duration,
+                "{agreed:?}: {asked:?}"
+            );
             assert!(agreed.duration >= free.duration * (1.0 - 1e-11));
             // Nothing less: each whole number of cycles before it is blocked for one of them.
             let before = cycle.start_of(cycles - cycles.min(1));

@@ -3,11 +3,17 @@
 //! Time on a stream is the cycle index. Cycle 0 is the state in which the axis stands: executed and accepted, never sent,
 //! not in the digest.
 
+mod motion;
+
 use std::ops::RangeInclusive;
 
+pub use planner::motion::Phase;
 use planner::{Accepted, Plan, Setpoint};
 
-use crate::{Digest, Rejected};
+use crate::Digest;
+pub use motion::{
+    Ask, GoalSpec, Motion, Operation, OperationRefusal, OperationResult, RECENT_RESULTS, refused_operation,
+};
 
 /// What an axis says.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +37,8 @@ pub enum ToAxis {
     Batch(Batch),
     /// Something happened.
     Event(StreamEvent),
+    /// An operation was done, as the axis has confirmed.
+    Result(OperationResult),
     /// An operation was refused; the stream goes on.
     Refusal(OperationRefusal),
 }
@@ -70,54 +78,6 @@ pub const LEAD_CYCLES: RangeInclusive<u32> = 10..=250;
 pub const BATCH_CYCLES: RangeInclusive<u32> = 1..=1000;
 /// The farthest that a server sends past the reported executed cycle \[cycles\], whatever is granted.
 pub const FARTHEST_AHEAD: u64 = 4096;
-
-/// A plan under way, with everything that operations on it need.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Motion {
-    /// 0 at open, one more with every operation that took effect.
-    pub revision: u64,
-    /// The cycle at which plan time is zero.
-    pub from_cycle: u64,
-    /// The digest of the cycle before that.
-    pub digest_before: Digest,
-    /// From there on, with the closing stop of a plan that ends at speed.
-    pub plan: Accepted,
-    /// Of the feed rate \[1\].
-    pub override_factor: f64,
-    /// What the motion is doing.
-    pub phase: Phase,
-    /// The first cycle of the closing stop, where there is one.
-    pub closing_from_cycle: Option<u64>,
-}
-
-impl Motion {
-    /// The cycle of the plan that is played at `cycle` of the stream.
-    #[must_use]
-    pub fn plan_cycle(&self, cycle: u64) -> u64 {
-        cycle.saturating_sub(self.from_cycle)
-    }
-
-    /// The cycle of the stream at which the plan has ended.
-    #[must_use]
-    pub fn last_cycle(&self) -> u64 {
-        self.from_cycle.saturating_add(self.plan.plan().cycle_count())
-    }
-}
-
-/// What a motion is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Phase {
-    /// Under way.
-    Moving,
-    /// Slowing to rest, or at rest, ready to resume.
-    Holding,
-    /// Slowing to rest, the rest of the motion is forgotten.
-    Stopping,
-    /// The plan has ended; the next goal may come.
-    Standstill,
-    /// Nothing follows.
-    Finished,
-}
 
 /// The stream is open.
 #[derive(Clone, Debug, PartialEq)]
@@ -407,20 +367,4 @@ pub enum StreamEventKind {
     TrackingWanted,
     /// Nobody watches any more.
     TrackingUnwanted,
-}
-
-/// An operation on a motion under way. This version does none, and refuses each by its id.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Operation {
-    /// The same id again has the same answer and no second effect.
-    pub request_id: String,
-}
-
-/// Why an operation was not done; nothing has changed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OperationRefusal {
-    /// Of the operation.
-    pub request_id: String,
-    /// Why.
-    pub rejected: Rejected,
 }

@@ -1,13 +1,15 @@
 //! The loop between the world and a session: turns messages into events and outputs into sends, and decides nothing.
 
-use proto::stream::{FromAxis, Open};
+use std::collections::HashMap;
+
+use proto::stream::{FromAxis, Open, OperationResult};
 use proto::{Reason, Rejected, pb, request_from_wire, response_to_wire};
 use serving::Leaving;
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, oneshot};
 use tonic::{Status, Streaming};
 
-use crate::session::{Event, Output, Session};
-use crate::streams::{Claim, Streams};
+use crate::session::{Answer, Event, Output, Session};
+use crate::streams::{Claim, Command, Streams};
 
 type Incoming = Streaming<pb::StreamSetpointsRequest>;
 type Outgoing = mpsc::Sender<Result<pb::StreamSetpointsResponse, Status>>;
@@ -65,6 +67,7 @@ async fn serve(
     leaving: Leaving,
 ) {
     let (mut superseded, mut drained) = (false, false);
+    let mut commanders = Commanders::default();
     while !session.is_over() {
         tokio::select! {
             // Reports first: what an axis has just said decides what it is sent.
@@ -80,7 +83,10 @@ async fn serve(
                 session.handle(Event::Drain);
             }
             () = leaving.due(), if !session.is_ending() => session.handle(Event::Leave),
-            event = next_event(&mut incoming), if !session.is_ending() => session.handle(event),
+            event = next_event(&mut incoming), if !session.is_ending() && !session.is_full() => {
+                session.handle(event);
+            }
+            Some(command) = claim.commands.recv() => session.handle(commanders.admit(command)),
             permit = outgoing.reserve(), if session.has_output() => {
                 let Ok(permit) = permit else { return };
                 match session.poll_output() {
@@ -93,8 +99,35 @@ async fn serve(
                 }
             }
         }
+        while let Some(answer) = session.poll_answer() {
+            commanders.tell(answer);
+        }
     }
     tracing::info!(phase = ?session.phase(), "stream closed");
+}
+
+/// Those who wait to hear what became of their operation.
+#[derive(Debug, Default)]
+struct Commanders {
+    waiting: HashMap<u64, oneshot::Sender<Result<OperationResult, Rejected>>>,
+    tickets: u64,
+}
+
+impl Commanders {
+    fn admit(&mut self, command: Command) -> Event {
+        let Command { operation, answer } = command;
+        self.tickets += 1;
+        self.waiting.insert(self.tickets, answer);
+        Event::Command { ticket: self.tickets, operation }
+    }
+
+    fn tell(&mut self, answer: Answer) {
+        let Answer { ticket, result } = answer;
+        if let Some(commander) = self.waiting.remove(&ticket) {
+            // Who does not wait any more may ask again.
+            let _ = commander.send(result);
+        }
+    }
 }
 
 /// What the axis says next. An axis that is gone, and one that cannot be read, both end the session.

@@ -2,8 +2,9 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use proto::stream::{Operation, OperationResult};
 use proto::{Reason, Rejected};
-use tokio::sync::oneshot;
+use tokio::sync::{mpsc, oneshot};
 
 /// Which streams are open here, each under its newest epoch.
 #[derive(Clone, Debug)]
@@ -17,7 +18,19 @@ pub(crate) struct Streams {
 struct Holder {
     epoch: u64,
     superseded: oneshot::Sender<u64>,
+    commands: mpsc::Sender<Command>,
 }
+
+/// An operation from somebody who is not the axis.
+#[derive(Debug)]
+pub(crate) struct Command {
+    pub(crate) operation: Operation,
+    /// Dropped without an answer where the session ends.
+    pub(crate) answer: oneshot::Sender<Result<OperationResult, Rejected>>,
+}
+
+/// Commands on their way to a session.
+const COMMANDS: usize = 16;
 
 /// The right to serve a stream under an epoch; given up when it is dropped.
 #[derive(Debug)]
@@ -27,6 +40,8 @@ pub(crate) struct Claim {
     epoch: u64,
     /// Completes with the newer epoch when the stream is opened again.
     pub(crate) superseded: oneshot::Receiver<u64>,
+    /// What others ask for.
+    pub(crate) commands: mpsc::Receiver<Command>,
 }
 
 impl Streams {
@@ -37,7 +52,8 @@ impl Streams {
     /// Takes `stream` for `epoch`, away from any older epoch.
     pub(crate) fn claim(&self, stream: String, epoch: u64) -> Result<Claim, Rejected> {
         let (sender, superseded) = oneshot::channel();
-        let holder = Holder { epoch, superseded: sender };
+        let (commander, commands) = mpsc::channel(COMMANDS);
+        let holder = Holder { epoch, superseded: sender, commands: commander };
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         let count = open.len();
         match open.entry(stream.clone()) {
@@ -55,7 +71,26 @@ impl Streams {
             }
         }
         drop(open);
-        Ok(Claim { streams: self.clone(), stream, epoch, superseded })
+        Ok(Claim { streams: self.clone(), stream, epoch, superseded, commands })
+    }
+
+    /// Asks for an operation on `stream`, and waits for what becomes of it.
+    pub(crate) async fn command(
+        &self,
+        stream: &str,
+        operation: Operation,
+    ) -> Result<OperationResult, Rejected> {
+        let commands = {
+            let open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+            open.get(stream).map(|holder| holder.commands.clone()).ok_or_else(|| not_here(stream))?
+        };
+        let (answer, answered) = oneshot::channel();
+        match commands.try_send(Command { operation, answer }) {
+            Ok(()) => {}
+            Err(mpsc::error::TrySendError::Full(_)) => return Err(overloaded(stream)),
+            Err(mpsc::error::TrySendError::Closed(_)) => return Err(not_here(stream)),
+        }
+        answered.await.unwrap_or_else(|_| Err(not_confirmed(stream)))
     }
 }
 
@@ -78,4 +113,24 @@ fn older(stream: &str, given: u64, current: u64) -> Rejected {
 fn too_many(most: usize) -> Rejected {
     let text = format!("{most} streams are open, as many as this server takes: close one, or open elsewhere");
     Rejected::new(Reason::TooManyStreams, text).with("allowed", most)
+}
+
+fn not_here(stream: &str) -> Rejected {
+    let text = format!(
+        "stream {stream:?} is not served here: ask the other replicas in turn, or command the axis that plays it"
+    );
+    Rejected::new(Reason::StreamNotHere, text)
+}
+
+fn overloaded(stream: &str) -> Rejected {
+    let text =
+        format!("{COMMANDS} commands wait for stream {stream:?}, as many as may: ask again in a moment");
+    Rejected::new(Reason::Overloaded, text).with("allowed", COMMANDS)
+}
+
+fn not_confirmed(stream: &str) -> Rejected {
+    let text = format!(
+        "the session of stream {stream:?} ended before it answered: send the operation again with the same request_id"
+    );
+    Rejected::new(Reason::NotConfirmed, text)
 }

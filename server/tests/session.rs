@@ -9,8 +9,8 @@
 
 use planner::{Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, State};
 use proto::stream::{
-    Batch, FARTHEST_AHEAD, FromAxis, Open, Operation, Phase, RefusalReason, Refused, Report, StreamEvent,
-    StreamEventKind, ToAxis,
+    Ask, Batch, FARTHEST_AHEAD, FromAxis, Motion, Open, Operation, OperationResult, Phase, RefusalReason,
+    Refused, Report, StreamEvent, StreamEventKind, ToAxis,
 };
 use proto::{Digest, Reason, Rejected};
 use server::session::{Event, Output, Session};
@@ -59,15 +59,23 @@ struct Stage {
     batches: Vec<Batch>,
     events: Vec<StreamEvent>,
     opened: usize,
-    refusals: usize,
+    revised: Vec<Motion>,
+    answers: Vec<Result<OperationResult, Reason>>,
     ended: Option<Result<(), Rejected>>,
 }
 
 impl Stage {
     fn new(open: Open) -> Self {
         let session = Session::open(open, "test").unwrap();
-        let mut stage =
-            Self { session, batches: vec![], events: vec![], opened: 0, refusals: 0, ended: None };
+        let mut stage = Self {
+            session,
+            batches: vec![],
+            events: vec![],
+            opened: 0,
+            revised: vec![],
+            answers: vec![],
+            ended: None,
+        };
         stage.drain();
         stage
     }
@@ -78,8 +86,9 @@ impl Stage {
                 Output::Send(ToAxis::Opened(_)) => self.opened += 1,
                 Output::Send(ToAxis::Batch(batch)) => self.batches.push(batch),
                 Output::Send(ToAxis::Event(event)) => self.events.push(event),
-                Output::Send(ToAxis::Refusal(_)) => self.refusals += 1,
-                Output::Send(ToAxis::Revised(_)) => panic!("nothing was revised"),
+                Output::Send(ToAxis::Refusal(refusal)) => self.answers.push(Err(refusal.rejected.reason)),
+                Output::Send(ToAxis::Result(result)) => self.answers.push(Ok(result)),
+                Output::Send(ToAxis::Revised(revised)) => self.revised.push(revised.motion),
                 Output::End(how) => self.ended = Some(how),
             }
         }
@@ -138,10 +147,12 @@ fn the_first_grant_is_the_lead() {
 #[test]
 fn cycles_are_consecutive_to_the_last() {
     let mut stage = Stage::new(open(plan(0.0)));
-    while stage.ended.is_none() {
+    while stage.held() < 314 {
         let executed = stage.held().saturating_sub(3);
         stage.report(executed, executed + 43);
     }
+    assert!(stage.ended.is_none(), "it may still be held");
+    stage.report(314, 354);
     assert_eq!(stage.ended, Some(Ok(())));
     let mut next = 1;
     for batch in &stage.batches {
@@ -290,13 +301,157 @@ fn a_second_open_is_out_of_order() {
     assert_eq!(stage.reason(), Reason::ProtocolOrder);
 }
 
+impl Stage {
+    fn ask(&mut self, id: &str, ask: Ask) {
+        self.handle(Event::FromAxis(FromAxis::Operation(Operation::now(id, ask))));
+    }
+
+    /// The axis reports that it has adopted what it was sent last.
+    fn adopt(&mut self, executed: u64) {
+        let (accepted, revision) = (self.held(), self.batches.last().unwrap().revision);
+        let digest = self.digest(accepted);
+        let (executed_cycle, accepted_cycle, grant_cycle) = (executed, accepted, executed + 40);
+        self.send(Report {
+            executed_cycle,
+            accepted_cycle,
+            grant_cycle,
+            revision,
+            digest,
+            ..Report::default()
+        });
+    }
+
+    /// It reports that it has not.
+    fn refuse(&mut self, executed: u64, accepted: u64, digest: Digest, reason: RefusalReason) {
+        let Batch { revision, first_cycle, .. } = *self.batches.last().unwrap();
+        self.send(Report {
+            executed_cycle: executed,
+            accepted_cycle: accepted,
+            grant_cycle: executed + 40,
+            digest,
+            refused: Some(Refused { revision, first_cycle, reason }),
+            ..Report::default()
+        });
+    }
+}
+
 #[test]
-fn an_operation_is_refused_and_the_stream_goes_on() {
+fn a_splice_replaces_what_was_sent_and_is_answered_when_it_is_adopted() {
     let mut stage = Stage::new(open(plan(0.0)));
-    stage.handle(Event::FromAxis(FromAxis::Operation(Operation { request_id: "h1".into() })));
-    assert_eq!(stage.refusals, 1);
     stage.report(10, 50);
-    assert_eq!(stage.held(), 50);
+    stage.ask("h1", Ask::Hold);
+    let batch = stage.batches.last().unwrap().clone();
+    // Beyond the report by the guard, the report interval, the round trip and planning: 2 + 10 + 10 + 1.
+    assert_eq!((batch.first_cycle, batch.last_cycle(), batch.revision, batch.replaces), (33, 50, 1, true));
+    assert_eq!(stage.revised.len(), 1);
+    let motion = &stage.revised[0];
+    assert_eq!(motion.under_way.from_cycle(), 33);
+    assert_eq!(batch.columns.digests(33, motion.digest_before).last(), Some(batch.digest));
+    assert_eq!(stage.answers, []);
+    // Reports from before it are of the motion before it.
+    let before = stage.batches.iter().find(|batch| batch.last_cycle() == 50).unwrap().digest;
+    stage.send(Report {
+        executed_cycle: 12,
+        accepted_cycle: 50,
+        grant_cycle: 52,
+        digest: before,
+        ..Report::default()
+    });
+    assert_eq!(stage.answers, []);
+    assert_eq!(stage.batches.last().unwrap().revision, 1);
+    stage.adopt(13);
+    let result = stage.answers[0].as_ref().unwrap();
+    assert_eq!((result.effective_cycle, result.revision, result.on_path), (33, 1, true));
+    assert_eq!(stage.session.phase(), Phase::Holding);
+    assert_eq!(stage.session.motion().recent.as_ref(), std::slice::from_ref(result));
+}
+
+#[test]
+fn a_refused_splice_is_planned_again_later_and_after_three_refusals_not() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    stage.report(10, 50);
+    let old = stage.digest(50);
+    stage.ask("h1", Ask::Hold);
+    let mut firsts = Vec::new();
+    for executed in [20, 30, 38] {
+        let batch = stage.batches.last().unwrap();
+        assert!(batch.replaces && batch.revision == 1);
+        firsts.push(batch.first_cycle);
+        stage.refuse(executed, 50, old, RefusalReason::TooLate);
+    }
+    assert_eq!(firsts[0], 33);
+    assert!(firsts.windows(2).all(|pair| pair[0] < pair[1]), "{firsts:?}");
+    assert_eq!(stage.answers, [Err(Reason::NotConfirmed)]);
+    // It goes on as it did.
+    let next = stage.batches.last().unwrap();
+    assert_eq!((next.first_cycle, next.revision, next.replaces), (51, 0, false));
+    stage.adopt(40);
+    assert!(stage.ended.is_none());
+}
+
+#[test]
+fn a_splice_that_a_report_passes_over_is_planned_again() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    stage.report(10, 50);
+    let old = stage.digest(50);
+    stage.ask("h1", Ask::Hold);
+    let first = stage.batches.last().unwrap().first_cycle;
+    // It never arrived.
+    stage.send(Report {
+        executed_cycle: first,
+        accepted_cycle: 50,
+        grant_cycle: 80,
+        digest: old,
+        ..Report::default()
+    });
+    let again = stage.batches.iter().rev().find(|batch| batch.revision == 1).unwrap();
+    assert!(again.first_cycle > first && stage.ended.is_none());
+}
+
+#[test]
+fn what_changes_no_setpoint_begins_with_the_next_batch() {
+    let mut stage = Stage::new(Open { close_at_rest: false, ..open(plan(0.0)) });
+    for executed in (0..=400).step_by(10) {
+        stage.report(executed, executed + 40);
+    }
+    stage.ask("h1", Ask::Hold);
+    assert_eq!(stage.batches.last().unwrap().revision, 0, "nothing more is granted");
+    stage.report(410, 450);
+    let batch = stage.batches.last().unwrap();
+    assert_eq!((batch.first_cycle, batch.revision, batch.replaces), (441, 1, false));
+    stage.adopt(411);
+    assert_eq!(stage.session.phase(), Phase::Holding);
+}
+
+#[test]
+fn a_hold_in_the_last_cycles_keeps_the_stream_open() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    while stage.held() < 314 {
+        let executed = stage.held();
+        stage.report(executed.min(280), executed.min(280) + 40);
+    }
+    assert!(stage.batches.last().unwrap().last);
+    stage.ask("h1", Ask::Hold);
+    let batch = stage.batches.last().unwrap();
+    assert!(batch.replaces && !batch.last);
+    stage.adopt(290);
+    stage.adopt(320);
+    assert!(stage.ended.is_none());
+    assert_eq!(stage.session.phase(), Phase::Holding);
+}
+
+#[test]
+fn an_axis_that_asks_for_much_is_read_no_more_until_it_reads() {
+    let mut session = Session::open(open(plan(0.0)), "test").unwrap();
+    let nothing = Operation { request_id: "n".into(), not_before_cycle: None, ask: None };
+    let mut asked = 0;
+    while !session.is_full() {
+        session.handle(Event::FromAxis(FromAxis::Operation(nothing.clone())));
+        asked += 1;
+        assert!(asked < 1000);
+    }
+    while session.poll_output().is_some() {}
+    assert!(!session.is_full());
 }
 
 #[test]

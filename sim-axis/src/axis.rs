@@ -213,6 +213,11 @@ impl Axis {
         self.monitor.begin_settling(self.setpoint.position, self.plant.load().position);
     }
 
+    /// More setpoints come after the last: the settle window is none.
+    pub fn go_on(&mut self) {
+        self.monitor.go_on();
+    }
+
     /// The settle window has passed; nothing that happens now changes the report.
     #[must_use]
     pub fn settle_window_is_over(&self) -> bool {

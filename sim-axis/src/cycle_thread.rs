@@ -13,6 +13,7 @@
 use std::sync::Arc;
 use std::thread::{self, Thread};
 
+use client::Revision;
 use planner::CycleTime;
 use proto::stream::{Batch, Report};
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -28,8 +29,17 @@ use crate::samples::Chunk;
 pub(crate) enum Fed {
     /// Setpoints, and the epoch that they are of.
     Batch(u64, Batch),
+    /// What setpoints will follow from, and the epoch that it is of.
+    Revised(u64, Revision),
     /// Nothing more will come.
     Closed,
+}
+
+/// What the cycle thread does not need any more: it is freed where it came from.
+#[derive(Debug)]
+pub(crate) enum Emptied {
+    Batch(#[expect(dead_code, reason = "is there to be dropped")] Batch),
+    Revision(#[expect(dead_code, reason = "is there to be dropped")] Revision),
 }
 
 /// The ends of the rings that belong to the network.
@@ -47,7 +57,7 @@ pub(crate) struct Outside {
 pub(crate) struct Feed {
     // Dropped before the thread is woken: a ring without its other end tells the thread to stop.
     batches: Producer<Fed>,
-    emptied: Consumer<Batch>,
+    emptied: Consumer<Emptied>,
     room: Arc<Notify>,
     thread: Waker,
 }
@@ -86,7 +96,7 @@ struct Inside {
     player: Player,
     lateness: Lateness,
     batches: Consumer<Fed>,
-    emptied: Producer<Batch>,
+    emptied: Producer<Emptied>,
     room: Arc<Notify>,
     reports: Producer<Report>,
     /// The newest report that found no room.
@@ -205,7 +215,8 @@ impl Inside {
     fn hurry(&mut self) -> Result<(), Abandoned> {
         while !self.player.is_over() {
             self.take_in()?;
-            if self.player.is_at_standstill() {
+            // A revision begins with cycles that are still to be granted: for that, time goes on.
+            if self.player.is_at_standstill() && !self.player.buffer().awaits_revision() {
                 self.put_out_report();
                 self.put_out_chunk();
                 thread::park();
@@ -234,10 +245,14 @@ impl Inside {
             taken += 1;
             match fed {
                 Fed::Closed => self.player.close(),
+                Fed::Revised(epoch, revision) => {
+                    if let Some(old) = self.player.announce(epoch, revision) {
+                        let _ = self.emptied.push(Emptied::Revision(old));
+                    }
+                }
                 Fed::Batch(epoch, batch) => {
                     let refusal = self.player.accept(epoch, &batch);
-                    // Its memory is given back where it came from.
-                    let _ = self.emptied.push(batch);
+                    let _ = self.emptied.push(Emptied::Batch(batch));
                     if let Some(report) = refusal {
                         self.report(report);
                     }
@@ -246,6 +261,11 @@ impl Inside {
         }
         if taken >= BATCHES / 2 {
             self.room.notify_one();
+        }
+        if taken > 0
+            && let Some(report) = self.player.report_due()
+        {
+            self.report(report);
         }
         Ok(())
     }

@@ -29,6 +29,7 @@
 mod audit;
 mod axis;
 mod clock;
+mod commands;
 mod config;
 mod cycle_thread;
 mod delay;
@@ -54,6 +55,7 @@ mod vibration;
 pub use audit::{InvalidField, InvalidModel};
 pub use axis::{Axis, AxisConfig, InvalidConfig, Observation};
 pub use clock::Clock;
+pub use commands::Commander;
 pub use config::Config;
 pub use encoder::{Encoder, Measured};
 pub use interpolate::Quintic;

@@ -128,6 +128,11 @@ impl Monitor {
         self.record.push(load_position);
     }
 
+    /// The axis moves again.
+    pub(crate) fn go_on(&mut self) {
+        self.phase = Phase::Moving;
+    }
+
     pub(crate) fn window_is_over(&self) -> bool {
         matches!(self.phase, Phase::Settling(_)) && self.record.len() > self.settle_cycles
     }

@@ -1,4 +1,4 @@
-use client::Buffer;
+use client::{Buffer, Revision};
 use planner::Setpoint;
 use proto::Digest;
 use proto::stream::{Batch, Refused, Report};
@@ -34,7 +34,6 @@ pub struct Player {
     setpoints: Vec<Setpoint>,
     observations: Vec<Observation>,
     batch_cycles: u64,
-    motion_end: u64,
     phase: Phase,
     /// Nothing more will come.
     closed: bool,
@@ -43,6 +42,8 @@ pub struct Player {
     rested: u64,
     digest: Digest,
     reported: u64,
+    /// The revision of the last report.
+    told_revision: u64,
     refused: Option<Place>,
     diverged: Option<Divergence>,
 }
@@ -99,13 +100,13 @@ impl Player {
             observations: vec![Observation::default(); axes.len()],
             axes,
             batch_cycles: batch_cycles.max(1),
-            motion_end,
             phase: Phase::Waiting,
             closed: false,
             watches_rest: false,
             rested: 0,
             digest: Digest::ZERO,
             reported: 0,
+            told_revision: 0,
             refused: None,
             diverged: None,
         }
@@ -116,13 +117,26 @@ impl Player {
     /// Of several batches of one sending, the first that is refused is reported: those behind it are refused too, for the
     /// gap that it left, and are counted.
     pub fn accept(&mut self, epoch: u64, batch: &Batch) -> Option<Report> {
-        let refused = self.buffer.accept(epoch, batch).err()?;
+        let adopted = self.buffer.revision();
+        let Err(refused) = self.buffer.accept(epoch, batch) else {
+            if self.buffer.revision() != adopted && self.watches_rest && !self.buffer.is_at_rest() {
+                self.watches_rest = false;
+                self.axes.iter_mut().for_each(Axis::go_on);
+            }
+            return None;
+        };
         let Refused { first_cycle, .. } = refused;
         let accepted = self.buffer.accepted();
         let is_behind =
             self.refused.is_some_and(|last| last.accepted == accepted && first_cycle > last.first_cycle);
         self.refused = Some(Place { accepted, first_cycle });
         (!is_behind).then(|| self.buffer.report(Some(refused)))
+    }
+
+    /// Takes note of what the server will send next. Gives back what is not needed any more, to be freed by the caller.
+    pub fn announce(&mut self, epoch: u64, revision: Revision) -> Option<Revision> {
+        self.refused = None;
+        self.buffer.announce(epoch, revision)
     }
 
     /// Nothing more will come: what is held is played, then the axis rests.
@@ -160,13 +174,13 @@ impl Player {
 
     /// Is the whole motion held, or played?
     fn has_all(&self) -> bool {
-        self.buffer.accepted() >= self.motion_end && self.buffer.held() > 0
+        self.buffer.accepted() >= self.buffer.motion_end() && self.buffer.held() > 0
     }
 
-    /// Does the axis rest at the end of its motion, watched to the end of the settle window, on a stream that stays open?
+    /// Does the axis rest, at the end of its motion or held, watched to the end of the settle window, on a stream that stays open?
     #[must_use]
     pub fn is_at_standstill(&self) -> bool {
-        self.phase == Phase::Playing && !self.closed && self.has_arrived() && self.is_settled()
+        self.phase == Phase::Playing && !self.closed && self.buffer.is_at_rest() && self.is_settled()
     }
 
     /// Which axis has left its setpoints beyond any sense, where one has.
@@ -187,10 +201,10 @@ impl Player {
         self.phase == Phase::Over
     }
 
-    /// Was the motion played to its last cycle?
+    /// Was the motion played to its last cycle, and is there nothing that it was held from?
     #[must_use]
     pub fn has_arrived(&self) -> bool {
-        self.buffer.executed() >= self.motion_end
+        self.buffer.has_arrived()
     }
 
     /// The number of the last cycle, counted on while the axis settles.
@@ -234,13 +248,17 @@ impl Player {
         self.axes.iter().map(card).collect()
     }
 
-    /// The report to the server, when a batch has been executed since the last one.
+    /// The report to the server, when a batch has been executed since the last one; and at once when a revision was adopted,
+    /// since somebody waits for that.
     pub fn report_due(&mut self) -> Option<Report> {
         let executed = self.buffer.executed();
         let is_last = self.buffer.is_finished() || self.is_at_standstill();
-        let is_due = executed >= self.reported + self.batch_cycles || (is_last && executed > self.reported);
+        let revision = self.buffer.revision();
+        let is_due = executed >= self.reported + self.batch_cycles
+            || (is_last && executed > self.reported)
+            || revision != self.told_revision;
         if is_due {
-            self.reported = executed;
+            (self.reported, self.told_revision) = (executed, revision);
         }
         is_due.then(|| self.buffer.report(None))
     }
@@ -255,20 +273,21 @@ impl Player {
             self.phase = Phase::Playing;
         } else if self.closed {
             // A motion that is known to break off is not begun; one of no cycles has ended.
-            self.phase = if self.motion_end == 0 { Phase::Settling } else { Phase::Over };
+            self.phase = if self.buffer.motion_end() == 0 { Phase::Settling } else { Phase::Over };
         } else {
             return;
         }
-        if self.motion_end == 0 {
+        if self.buffer.motion_end() == 0 {
             self.watch_rest();
         }
         self.end_if_settled();
     }
 
     fn play(&mut self) -> Beat {
+        let motion_end = self.buffer.motion_end();
         let Some(playing) = self.buffer.play() else { return self.starve() };
         let cycle = playing.cycle;
-        if cycle <= self.motion_end {
+        if cycle <= motion_end {
             self.digest = playing.digest;
         }
         self.setpoints.copy_from_slice(playing.setpoints);
@@ -279,7 +298,7 @@ impl Player {
         if self.ends_diverged(cycle) {
             return Beat::Diverged;
         }
-        if cycle == self.motion_end {
+        if cycle == motion_end {
             self.watch_rest();
         }
         if self.buffer.is_finished() {
@@ -289,7 +308,7 @@ impl Player {
     }
 
     fn starve(&mut self) -> Beat {
-        if !self.has_arrived() {
+        if !self.buffer.is_at_rest() {
             self.buffer.count_underrun();
         }
         if self.closed {

@@ -4,6 +4,7 @@ mod convert;
 mod refusal;
 mod remote;
 mod request;
+mod streams;
 
 use std::sync::Arc;
 
@@ -20,6 +21,7 @@ use crate::models::{InvalidModels, Models};
 use crate::run::{Tracking, Update};
 
 pub use remote::{RemoteAxis, RemoteRun};
+use streams::Streams;
 
 /// The service as it is served.
 pub(crate) type Face = SimAxisServiceServer<Axes>;
@@ -35,6 +37,7 @@ pub(crate) struct Axes {
     models: Arc<Models>,
     runs: Arc<Semaphore>,
     max_runs: usize,
+    streams: Streams,
     leaving: Leaving,
 }
 
@@ -44,6 +47,7 @@ pub(crate) fn service(config: &Config, leaving: Leaving) -> Face {
         models: Arc::new(config.models.clone()),
         runs: Arc::new(Semaphore::new(config.max_runs.min(Semaphore::MAX_PERMITS))),
         max_runs: config.max_runs,
+        streams: Streams::default(),
         leaving,
     };
     // The frame refuses larger ones, with a reason; below it nothing else is to.
@@ -102,9 +106,11 @@ impl SimAxisService for Axes {
         let request = request.into_inner();
         let named: Vec<String> = request.models.iter().map(|model| model.axis.clone()).collect();
         let request = request::track_request(request, &self.models)?;
+        let stream = request.stream.clone();
         let tracking = Tracking::begin(request).await.map_err(|error| refusal::of(error, &named))?;
         let (sender, receiver) = mpsc::channel(AHEAD);
         let leaving = self.leaving.clone();
+        let entry = self.streams.enter(stream, tracking.commander());
         self.leaving.spawn(async move {
             tokio::select! {
                 () = carry(tracking, &sender) => {}
@@ -115,13 +121,22 @@ impl SimAxisService for Axes {
                     let _ = sender.try_send(Err(draining().into()));
                 }
             }
-            drop(permit);
+            drop((entry, permit));
         });
         Ok(Response::new(ReceiverStream::new(receiver)))
     }
 
-    async fn command(&self, _: Request<pb::CommandRequest>) -> Result<Response<pb::CommandResponse>, Status> {
-        Err(not_implemented("Command", "let the motion end, then run another plan"))
+    async fn command(
+        &self,
+        request: Request<pb::CommandRequest>,
+    ) -> Result<Response<pb::CommandResponse>, Status> {
+        let pb::CommandRequest { stream, operation } = request.into_inner();
+        let operation = operation.ok_or_else(|| {
+            let text = "is not set: say what to do, as hold or resume";
+            Rejected::for_field("operation", Reason::FieldMissing, text)
+        })?;
+        let result = self.streams.commander_of(&stream)?.operate(operation.into()).await?;
+        Ok(Response::new(pb::CommandResponse { result: Some(result.into()) }))
     }
 
     async fn get_axis_model(

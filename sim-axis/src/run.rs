@@ -4,18 +4,19 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
-use client::{Buffer, Client, Link, Reports, Standing};
+use client::{Buffer, Client, Link, Reports, Revision, Standing};
 use planner::{Accepted, AxisKind, Setpoint};
 use proto::Digest;
 use proto::stream::{
     Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES, Motion, Open, Opened,
-    StreamEvent, ToAxis,
+    OperationRefusal, StreamEvent, ToAxis,
 };
 use tokio::sync::{mpsc, oneshot};
 use tonic::Code;
 
 use crate::axis::{Axis, AxisConfig, InvalidConfig};
 use crate::clock::Clock;
+use crate::commands::{Command, Commander, Waiting, commander, forward};
 use crate::cycle_thread::{Fed, Feed, Outcome, Outside, ReportRing, SampleRing, spawn};
 use crate::jitter::Jitter;
 use crate::model::AxisModel;
@@ -98,6 +99,8 @@ pub struct StreamReport {
     pub counters: Counters,
     /// Times that the stream went on with another replica.
     pub failovers: u64,
+    /// Revisions of the motion that were adopted: one for each operation that changed it.
+    pub revisions: u64,
     /// How late cycles began; 0 in virtual time.
     pub jitter: Jitter,
     /// Of the last cycle of the motion that was played; cycles at rest after it are not in it.
@@ -206,6 +209,7 @@ impl TrackError {
 pub struct Tracking {
     motion: Motion,
     served_by: String,
+    commander: Commander,
     updates: mpsc::Receiver<Update>,
     result: oneshot::Receiver<Result<TrackingReport, TrackError>>,
 }
@@ -235,21 +239,21 @@ impl Tracking {
         let open = open_of(&request);
         let opened = open_somewhere(&request.endpoints, &open).await?;
         let player = player(&open, axes, &opened.motion);
+        let (commander, commands) = commander();
         let cycle = open.plan.plan().cycle_time();
         let outside = spawn(player, cycle, request.clock).map_err(|e| TrackError::Thread(e.to_string()))?;
         let (teller, updates) = mpsc::channel(UPDATES);
         let (done, result) = oneshot::channel();
         let Opening { motion, served_by, link, reports } = opened;
-        let motion_end = motion.last_cycle();
         tokio::spawn(async move {
-            let result = carry((link, reports), outside, teller, request.clock, motion_end).await;
+            let result = carry((link, reports), outside, teller, request.clock, commands).await;
             // Nobody to tell is not a failure.
             let _ = done.send(result);
         });
-        Ok(Self { motion, served_by, updates, result })
+        Ok(Self { motion, served_by, commander, updates, result })
     }
 
-    /// The motion that is played, with the closing stop of a plan that ends at speed.
+    /// The motion as it was opened, with the closing stop of a plan that ends at speed.
     #[must_use]
     pub fn motion(&self) -> &Motion {
         &self.motion
@@ -259,6 +263,12 @@ impl Tracking {
     #[must_use]
     pub fn served_by(&self) -> &str {
         &self.served_by
+    }
+
+    /// Asks for operations on the motion.
+    #[must_use]
+    pub fn commander(&self) -> Commander {
+        self.commander.clone()
     }
 
     /// What happens next; `None` when there is no more than the report.
@@ -390,8 +400,8 @@ fn no_answer(endpoint: &str) -> client::Error {
 }
 
 fn player(open: &Open, axes: Vec<Axis>, motion: &Motion) -> Player {
-    let plan = open.plan.plan();
-    let setpoints: Vec<Setpoint> = plan.sampler().at(0).collect();
+    let plan = motion.plan();
+    let setpoints: Vec<Setpoint> = open.plan.plan().sampler().at(0).collect();
     let buffer = Buffer::new(&Standing {
         epoch: open.epoch,
         lead_cycles: open.lead_cycles,
@@ -409,18 +419,20 @@ async fn carry(
     outside: Outside,
     teller: mpsc::Sender<Update>,
     clock: Clock,
-    motion_end: u64,
+    commands: mpsc::Receiver<Command>,
 ) -> Result<TrackingReport, TrackError> {
     // Kept to the end: without it the cycle thread stops at once.
     let Outside { mut feed, reports: report_ring, samples, outcome } = outside;
     let sampled = Arc::clone(&samples.news);
     let (events, event_queue) = mpsc::channel(EVENTS);
     let nobody = teller.clone();
-    let mut feeding = Box::pin(feed_from(link, &mut feed, events));
+    let waiting = Waiting::default();
+    let mut forwarding = Box::pin(forward(commands, reports.clone(), &waiting));
+    let mut feeding = Box::pin(feed_from(link, &mut feed, events, &waiting));
     let mut telling = Box::pin(tell(samples, event_queue, teller, clock));
     let mut speaking = Box::pin(speak(report_ring, reports));
     let mut outcome = std::pin::pin!(outcome);
-    let (mut ended, mut told) = (None, false);
+    let (mut ended, mut told, mut forwarded) = (None, false, false);
 
     let outcome = loop {
         tokio::select! {
@@ -428,11 +440,12 @@ async fn carry(
             how = &mut feeding, if ended.is_none() => ended = Some(how),
             () = &mut telling, if !told => told = true,
             () = &mut speaking => {}
+            () = &mut forwarding, if !forwarded => forwarded = true,
             () = nobody.closed() => return Err(TrackError::Abandoned),
         }
     };
     // Closes the axis's side: the server ends the stream.
-    drop(speaking);
+    drop((speaking, forwarding));
     // A thread that ended without a word has not woken anybody.
     sampled.notify_one();
     if ended.is_none() {
@@ -456,25 +469,28 @@ async fn carry(
         outcome.map_err(|_| TrackError::Thread("it has ended without a word".into()))?;
     let report = tokio::task::spawn_blocking(move || {
         let (executed, arrived) = (player.buffer().executed(), player.has_arrived());
+        let motion_end = player.buffer().motion_end();
         let stream = StreamReport {
             cycles_executed: executed,
             counters: player.buffer().counters(),
             failovers: 0,
+            revisions: player.buffer().revision(),
             jitter: if clock == Clock::Wall { lateness.jitter() } else { Jitter::default() },
             digest: player.digest(),
             stop_tail_used: false,
         };
-        (arrived, player.divergence(), TrackingReport { axes: player.report_cards(), stream })
+        let report = TrackingReport { axes: player.report_cards(), stream };
+        (arrived.then_some(()).ok_or(motion_end), player.divergence(), report)
     });
     let (arrived, diverged, report) = report.await.map_err(|error| TrackError::Thread(error.to_string()))?;
     if let Some(Divergence { axis, cycle }) = diverged {
         let axis = report.axes.get(axis).map(|card| card.axis.clone()).unwrap_or_default();
         return Err(TrackError::Diverged { axis, cycle, report: Box::new(report) });
     }
-    if arrived {
+    let Err(motion_end) = arrived else {
         // However the stream ended, the motion had been played by then.
         return Ok(report);
-    }
+    };
     let too_early = || client::Error::Protocol("the stream ended before the motion did".into());
     Err(broken(report, motion_end, ended.and_then(Result::err).unwrap_or_else(too_early)))
 }
@@ -489,6 +505,7 @@ async fn feed_from(
     mut link: Link,
     feed: &mut Feed,
     events: mpsc::Sender<StreamEvent>,
+    waiting: &Waiting,
 ) -> Result<(), client::Error> {
     let how = loop {
         match link.next().await {
@@ -498,13 +515,21 @@ async fn feed_from(
             }
             // Who does not take up events loses the newest: none of them says what a report does not.
             Ok(Some((_, ToAxis::Event(event)))) => drop(events.try_send(event)),
-            Ok(Some((_, other))) => {
-                tracing::debug!(?other, "the server answers what was not asked");
+            Ok(Some((epoch, ToAxis::Revised(revised)))) => {
+                feed.push(Fed::Revised(epoch, Revision::of(&revised.motion))).await;
+            }
+            Ok(Some((_, ToAxis::Result(result)))) => waiting.tell(&result.request_id.clone(), &Ok(result)),
+            Ok(Some((_, ToAxis::Refusal(OperationRefusal { request_id, rejected })))) => {
+                waiting.tell(&request_id, &Err(rejected));
+            }
+            Ok(Some((_, ToAxis::Opened(_)))) => {
+                tracing::debug!("the server has opened the stream again");
             }
             Ok(None) => break Ok(()),
             Err(error) => break Err(error),
         }
     };
+    waiting.give_up();
     feed.push(Fed::Closed).await;
     drop(events);
     how.inspect_err(|error| tracing::warn!(%error, "the stream broke off"))

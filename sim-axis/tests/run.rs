@@ -7,9 +7,7 @@ use std::time::{Duration, Instant};
 use planner::{Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, State};
 use proto::pb;
 use proto::pb::setpoint_service_server::{SetpointService, SetpointServiceServer};
-use proto::stream::{
-    Batch, Columns, FromAxis, Motion, Open, Opened, Phase, StreamEvent, StreamEventKind, ToAxis,
-};
+use proto::stream::{Batch, Columns, FromAxis, Motion, Open, Opened, StreamEvent, StreamEventKind, ToAxis};
 use proto::{Digest, Reason, Rejected};
 use sim_axis::{AxisModel, Clock, Samples, TrackError, TrackRequest, Tracking, Update, track};
 use tokio::sync::mpsc;
@@ -91,15 +89,7 @@ async fn session(
         answers.send(Err(Rejected::new(Reason::PlanRejected, "not this one").into())).await.ok()?;
         return None;
     }
-    let motion = Motion {
-        revision: 0,
-        from_cycle: 0,
-        digest_before: Digest::ZERO,
-        plan: plan.clone(),
-        override_factor: 1.0,
-        phase: Phase::Moving,
-        closing_from_cycle: None,
-    };
+    let motion = Motion::opened(planner::motion::Motion::open(plan.clone()).ok()?);
     let say = async |message| answers.send(Ok(proto::response_to_wire(epoch, message))).await.ok();
     let opened = Opened { motion, first_cycle: 1, served_by: "test".into(), current_epoch: epoch };
     say(ToAxis::Opened(Box::new(opened))).await?;

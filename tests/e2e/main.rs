@@ -13,5 +13,6 @@ mod families;
 mod large_messages;
 mod plan_then_stream;
 mod pvt;
+mod rehearsed;
 mod standing_services;
 mod tracking;

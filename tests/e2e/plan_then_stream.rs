@@ -86,8 +86,8 @@ async fn a_plan_that_ends_at_speed_closes_with_a_stop() {
     let judged = client.plan(spec).await.unwrap();
     assert_eq!(judged.plan().axes()[0].profile.end().velocity, 0.1);
     let mut stream = Setpoints::open(&client, open("x", judged.clone().accepted().unwrap())).await.unwrap();
-    let motion = stream.motion().unwrap().clone();
-    assert_eq!(motion.closing_from_cycle, Some(judged.plan().cycle_count()));
+    let motion = stream.motion().clone();
+    assert_eq!(motion.under_way.closing_from_cycle(), Some(judged.plan().cycle_count()));
     let (_, _, end) = play(&mut stream).await;
     assert_eq!((end.state.velocity, end.state.acceleration), (0.0, 0.0));
     assert!(end.state.position > 0.05);

@@ -156,18 +156,18 @@ async fn a_plan_that_ends_at_speed_is_stopped_after_its_last_point() {
         let last = plan.plan().cycle_count();
         let open = proto::stream::Open { accept_unproved: true, ..open("cell-7/xy", plan) };
         let mut setpoints = client::Setpoints::open(&client, open).await.unwrap();
-        let motion = setpoints.motion().unwrap().clone();
-        assert_eq!(motion.closing_from_cycle, Some(last));
-        let stops = motion.plan.plan().axes().iter().all(|axis| {
+        let motion = setpoints.motion().clone();
+        assert_eq!(motion.under_way.closing_from_cycle(), Some(last));
+        let stops = motion.plan().axes().iter().all(|axis| {
             let said = |said: &planner::Adjustment| said.reason == AdjustmentReason::ClosingStop;
             axis.adjustments.iter().any(said)
         });
-        assert!(stops && motion.plan.plan().ends_at_rest());
+        assert!(stops && motion.plan().ends_at_rest());
         let mut cycles = 0;
         while setpoints.next().await.unwrap().is_some() {
             cycles += 1;
         }
-        assert_eq!(cycles, motion.plan.plan().cycle_count());
+        assert_eq!(cycles, motion.plan().cycle_count());
     }
 }
 

@@ -6,6 +6,8 @@
     reason = "helpers of tests fail by panicking"
 )]
 
+mod rig;
+
 use std::net::SocketAddr;
 
 use client::Client;
@@ -16,6 +18,7 @@ use planner::{
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::Open;
+pub use rig::{Answer, Delays, Rig, difference, replay};
 use server::{Config, Server};
 use sim_axis::SimAxis;
 use tokio::sync::oneshot;

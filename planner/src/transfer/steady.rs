@@ -117,7 +117,10 @@ impl Upper {
                 (Side { sign: 1.0, flank: Flank::of(start, above, up) }, Side { sign: -1.0, flank })
             } else {
                 let flank = Flank::of(start.mirrored(), below(above), down);
-                (Side { sign: -1.0, flank }, Side { sign: 1.0, flank: Flank::of(goal.reversed(), above, down) })
+                (
+                    Side { sign: -1.0, flank },
+                    Side { sign: 1.0, flank: Flank::of(goal.reversed(), above, down) },
+                )
             };
             let left = time - (first.flank.time() + last.flank.time());
             Steady { first, last, velocity: lowest - below(above), time: left }

@@ -8,6 +8,8 @@ mod choice;
 mod claims;
 mod field;
 mod limits;
+mod motion;
+mod operation;
 mod plan;
 mod pvt;
 mod rejected;

@@ -230,7 +230,7 @@ fn state_from_wire(invalid: &mut InvalidFields, name: &str, wire: Option<pb::Axi
     state
 }
 
-fn segment_to_wire(segment: &Segment) -> pb::AxisSegment {
+pub(super) fn segment_to_wire(segment: &Segment) -> pb::AxisSegment {
     let Segment { duration, start, law } = *segment;
     let law = match law {
         Law::ConstantJerk(jerk) => pb::axis_segment::Law::Jerk(jerk),
@@ -245,7 +245,7 @@ fn segment_to_wire(segment: &Segment) -> pb::AxisSegment {
     pb::AxisSegment { duration, start: Some(start.into()), law: Some(law) }
 }
 
-fn segment_from_wire(wire: pb::AxisSegment) -> Result<Segment, InvalidFields> {
+pub(super) fn segment_from_wire(wire: pb::AxisSegment) -> Result<Segment, InvalidFields> {
     let pb::AxisSegment { duration, start, law } = wire;
     let mut invalid = InvalidFields::default();
     let start = state_from_wire(&mut invalid, "start", start);

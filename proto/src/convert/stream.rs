@@ -2,13 +2,14 @@ use std::ops::RangeInclusive;
 
 use planner::{Field, InvalidFields, Why, wrong_name};
 
-use super::choice::{event_from_wire, event_to_wire, phase_from_wire, phase_to_wire};
+use super::choice::{event_from_wire, event_to_wire};
 use super::field::missing;
+use super::motion::{motion_from_wire, motion_to_wire};
 use super::{accepted_in, plan_to_wire};
 use crate::stream::{
     BATCH_CYCLES, Batch, Columns, Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES,
-    FromAxis, LEAD_CYCLES, Motion, Open, Opened, Operation, OperationRefusal, RefusalReason, Refused, Report,
-    Revised, StreamEvent, ToAxis, Tracking,
+    FromAxis, LEAD_CYCLES, Open, Opened, OperationRefusal, RefusalReason, Refused, Report, Revised,
+    StreamEvent, ToAxis, Tracking,
 };
 use crate::{Digest, FieldViolation, Reason, Rejected, pb};
 use pb::stream_setpoints_request::Message as Request;
@@ -23,10 +24,7 @@ pub fn request_from_wire(wire: pb::StreamSetpointsRequest) -> Result<FromAxis, R
     match message {
         Some(Request::Open(open)) => open_from_wire(open).map(|open| FromAxis::Open(Box::new(open))),
         Some(Request::Report(report)) => report_from_wire(report).map(FromAxis::Report),
-        Some(Request::Operation(operation)) => {
-            let pb::Operation { request_id, not_before_cycle: _, operation: _ } = operation;
-            Ok(FromAxis::Operation(Operation { request_id }))
-        }
+        Some(Request::Operation(operation)) => Ok(FromAxis::Operation(operation.into())),
         None => Err(empty_message("open, report or operation")),
     }
 }
@@ -37,11 +35,7 @@ pub fn request_to_wire(request: &FromAxis) -> pb::StreamSetpointsRequest {
     let message = match request {
         FromAxis::Open(open) => Request::Open(open_to_wire(open)),
         FromAxis::Report(report) => Request::Report(report_to_wire(report)),
-        FromAxis::Operation(Operation { request_id }) => Request::Operation(pb::Operation {
-            request_id: request_id.clone(),
-            not_before_cycle: None,
-            operation: None,
-        }),
+        FromAxis::Operation(operation) => Request::Operation(operation.clone().into()),
     };
     pb::StreamSetpointsRequest { message: Some(message) }
 }
@@ -64,10 +58,7 @@ pub fn response_from_wire(wire: pb::StreamSetpointsResponse) -> Result<(u64, ToA
             let rejected = Rejected::from_bytes(&status).unwrap_or_else(unreadable);
             ToAxis::Refusal(OperationRefusal { request_id, rejected })
         }
-        Some(Response::Operation(_)) => {
-            let text = "an answer to an operation, none of which was asked for";
-            return Err(Rejected::new(Reason::ProtocolOrder, text));
-        }
+        Some(Response::Operation(result)) => ToAxis::Result(result.into()),
         None => return Err(empty_message("opened, revised, batch, operation, event or refusal")),
     };
     Ok((epoch, message))
@@ -84,11 +75,12 @@ pub fn response_to_wire(epoch: u64, response: ToAxis) -> pb::StreamSetpointsResp
         }
         ToAxis::Revised(revised) => {
             let Revised { motion } = *revised;
-            let certificate = Some(motion.plan.judged().certificate().into());
+            let certificate = Some(motion.accepted().judged().certificate().into());
             Response::Revised(pb::MotionRevised { motion: Some(motion_to_wire(&motion)), certificate })
         }
         ToAxis::Batch(batch) => Response::Batch(batch_to_wire(batch)),
         ToAxis::Event(event) => Response::Event(event.into()),
+        ToAxis::Result(result) => Response::Operation(result.into()),
         ToAxis::Refusal(OperationRefusal { request_id, rejected }) => {
             Response::Refusal(pb::OperationRefusal { request_id, status: rejected.to_bytes() })
         }
@@ -197,48 +189,6 @@ fn open_to_wire(open: &Open) -> pb::Open {
 fn opened_from_wire(wire: pb::Opened) -> Result<Opened, Rejected> {
     let pb::Opened { motion, first_cycle, served_by, current_epoch } = wire;
     Ok(Opened { motion: motion_from_wire(motion)?, first_cycle, served_by, current_epoch })
-}
-
-fn motion_from_wire(wire: Option<pb::Motion>) -> Result<Motion, Rejected> {
-    let wire = wire.ok_or_else(|| missing("motion", "a motion"))?;
-    let pb::Motion {
-        revision,
-        from_cycle,
-        digest_before,
-        plan,
-        override_factor,
-        phase,
-        base: _,
-        base_time: _,
-        closing_from_cycle,
-        recent: _,
-    } = wire;
-    Ok(Motion {
-        revision,
-        from_cycle,
-        digest_before: Digest::from(digest_before),
-        plan: accepted_in("motion.plan", plan)?,
-        override_factor,
-        phase: phase_from_wire(phase).map_err(|why| of_field("motion.phase", why))?,
-        closing_from_cycle,
-    })
-}
-
-fn motion_to_wire(motion: &Motion) -> pb::Motion {
-    let Motion { revision, from_cycle, digest_before, plan, override_factor, phase, closing_from_cycle } =
-        motion;
-    pb::Motion {
-        revision: *revision,
-        from_cycle: *from_cycle,
-        digest_before: u64::from(*digest_before),
-        plan: Some(plan_to_wire(plan.judged())),
-        override_factor: *override_factor,
-        phase: phase_to_wire(*phase),
-        base: None,
-        base_time: Vec::new(),
-        closing_from_cycle: *closing_from_cycle,
-        recent: Vec::new(),
-    }
 }
 
 impl From<Columns> for pb::SetpointColumns {

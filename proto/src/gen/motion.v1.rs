@@ -1734,7 +1734,8 @@ pub struct Open {
     /// the server's default, 40.
     #[prost(uint32, tag = "3")]
     pub lead_cycles: u32,
-    /// Cycles per batch at most, 1 .. 1000. 0: the server's default, 10.
+    /// Cycles per batch at most, 1 .. 1000; a replacing batch has as many as it replaces. 0: the
+    /// server's default, 10.
     #[prost(uint32, tag = "4")]
     pub batch_cycles: u32,
     /// A replacing batch must begin later than executed + axis_guard \[cycles\], less than lead_cycles.
@@ -3459,6 +3460,9 @@ pub struct StreamReportCard {
     /// Whether a stop tail was played.
     #[prost(bool, tag = "8")]
     pub stop_tail_used: bool,
+    /// Revisions of the motion that were adopted: one for each operation that changed it.
+    #[prost(uint64, tag = "9")]
+    pub revisions: u64,
 }
 impl ::prost::Name for StreamReportCard {
     const NAME: &'static str = "StreamReportCard";
@@ -3473,7 +3477,7 @@ impl ::prost::Name for StreamReportCard {
 /// An operation for the stream that an axis of this process follows.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct CommandRequest {
-    /// Name of the stream. Needed.
+    /// Name of the stream. Empty: the only one that the process follows.
     #[prost(string, tag = "1")]
     pub stream: ::prost::alloc::string::String,
     /// What to do. Needed.
@@ -3713,7 +3717,8 @@ pub mod sim_axis_service_client {
             self.inner.server_streaming(req, path, codec).await
         }
         /// Hold, resume, override, retarget, append, stop: forwarded in band to whichever replica serves
-        /// the stream.
+        /// the stream, and answered as that answers. STREAM_NOT_HERE where no axis of this process follows
+        /// such a stream.
         pub async fn command(
             &mut self,
             request: impl tonic::IntoRequest<super::CommandRequest>,
@@ -3827,7 +3832,8 @@ pub mod sim_axis_service_server {
             tonic::Status,
         >;
         /// Hold, resume, override, retarget, append, stop: forwarded in band to whichever replica serves
-        /// the stream.
+        /// the stream, and answered as that answers. STREAM_NOT_HERE where no axis of this process follows
+        /// such a stream.
         async fn command(
             &self,
             request: tonic::Request<super::CommandRequest>,

@@ -48,9 +48,15 @@ impl SetpointService for Setpoints {
 
     async fn control_stream(
         &self,
-        _: Request<pb::ControlStreamRequest>,
+        request: Request<pb::ControlStreamRequest>,
     ) -> Result<Response<pb::ControlStreamResponse>, Status> {
-        Err(not_implemented("ControlStream", "let the motion end, then open a new stream"))
+        let pb::ControlStreamRequest { stream, operation } = request.into_inner();
+        let operation = operation.ok_or_else(|| {
+            let text = "is not set: say what to do, as hold or resume";
+            Rejected::for_field("operation", Reason::FieldMissing, text)
+        })?;
+        let result = self.streams.command(&stream, operation.into()).await?;
+        Ok(Response::new(pb::ControlStreamResponse { result: Some(result.into()) }))
     }
 
     type WatchStreamStream = ReceiverStream<Result<pb::WatchStreamResponse, Status>>;

@@ -28,6 +28,11 @@ impl Credit {
         self.executed
     }
 
+    /// The last cycle that was sent.
+    pub(super) fn sent(&self) -> u64 {
+        self.sent
+    }
+
     /// Takes over what a report says, if it can be true.
     pub(super) fn report(&mut self, report: &Report) -> Result<(), Rejected> {
         let Report { executed_cycle, accepted_cycle, grant_cycle, .. } = *report;

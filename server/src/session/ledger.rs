@@ -3,24 +3,17 @@ use std::collections::VecDeque;
 use proto::Digest;
 use proto::stream::Motion;
 
-/// The digests of what was sent and may still be asked about: one for each batch since the last that was accepted.
+/// The digests of what was sent and may still be asked about: one for each batch since the cycle that was executed last.
 #[derive(Clone, Debug)]
 pub(super) struct Ledger {
     /// Cycle and digest, ascending; never empty.
     entries: VecDeque<(u64, Digest)>,
 }
 
-impl Default for Ledger {
-    /// Nothing sent: the digest of cycle 0.
-    fn default() -> Self {
-        Self { entries: VecDeque::from([(0, Digest::ZERO)]) }
-    }
-}
-
 impl Ledger {
-    /// The digest of the last cycle that was sent.
-    pub(super) fn last(&self) -> Digest {
-        self.entries.back().map_or(Digest::ZERO, |entry| entry.1)
+    /// Nothing sent after `cycle`, whose digest is known.
+    pub(super) fn from(cycle: u64, digest: Digest) -> Self {
+        Self { entries: VecDeque::from([(cycle, digest)]) }
     }
 
     /// Notes the digest of a batch's last cycle.
@@ -28,20 +21,19 @@ impl Ledger {
         self.entries.push_back((cycle, digest));
     }
 
-    /// The digest of `cycle`, which was sent: noted, or computed from the note before it.
-    pub(super) fn digest_at(&mut self, cycle: u64, motion: &Motion) -> Digest {
+    /// The digest of `cycle`: noted, or computed from the note before it.
+    pub(super) fn digest_at(&self, cycle: u64, motion: &Motion) -> Digest {
         let after = self.entries.partition_point(|entry| entry.0 <= cycle);
         let Some(&(noted, mut digest)) = after.checked_sub(1).and_then(|index| self.entries.get(index))
         else {
             return Digest::ZERO;
         };
         if noted < cycle {
-            let mut sampler = motion.plan.plan().sampler();
+            let mut sampler = motion.plan().sampler();
             for cycle in noted + 1..=cycle {
                 let setpoints = sampler.at(motion.plan_cycle(cycle));
                 digest = digest.then(cycle, setpoints.map(|setpoint| setpoint.words()));
             }
-            self.entries.insert(after, (cycle, digest));
         }
         digest
     }

@@ -4,75 +4,84 @@
 //! ```text
 //!   open                        the plan has been executed
 //!  ●────► MOVING ──────────────────────────────────────────► STANDSTILL   (setpoints at rest go on)
-//!            │                                                    │
-//!            └── close_at_rest: the last batch was sent ──► FINISHED ◄── the axis closes its side
+//!           │ ▲  ◄──────────────── retarget ─────────────────┘    │ hold
+//!      hold │ │ resume                                            │
+//!           ▼ │                                                   │
+//!          HOLDING ◄──────────────────────────────────────────────┘
 //!
+//!   MOVING, HOLDING ── stop ──► STOPPING ── at rest ──► FINISHED
+//!   close_at_rest: the plan has been executed ──► FINISHED ◄── the axis closes its side
 //!   any ── a newer epoch has opened ──► ENDED        any ── drain ──► same phase, the axis is told once
 //! ```
+//!
+//! What an operation makes of a motion is for `planner::motion` to say; here it is decided when, and what may be sent:
+//!
+//! ```text
+//!              due                     its first batch goes out            the report shows its revision
+//!  WAITING ──────────► PLANNED ──────────────────────────────────► SENT ─────────────────────────────────► adopted, answered
+//!     ▲                   │ refused by the planner: answered         │
+//!     └───────────────────┴───────── refused by the axis ────────────┘   three times: answered
+//! ```
+//!
+//! One splice is in flight at a time. What the axis has adopted is what holds; until it says that it has adopted a splice, that
+//! is a branch beside it.
 
+mod branch;
 mod credit;
+mod event;
 mod ledger;
+mod operations;
+mod pace;
+mod queue;
+mod splice;
 
 use std::collections::VecDeque;
 
 use planner::Quantity;
 use proto::stream::{
-    BATCH_CYCLES, Batch, Columns, FromAxis, Motion, Open, Opened, OperationRefusal, Phase, Report,
-    StreamEvent, StreamEventKind, ToAxis,
+    BATCH_CYCLES, Batch, FromAxis, Motion, Open, Opened, OperationResult, Phase, Report, StreamEvent,
+    StreamEventKind, ToAxis,
 };
-use proto::{Digest, Reason, Rejected};
+use proto::{Reason, Rejected};
 
+use branch::Branch;
 use credit::Credit;
-use ledger::Ledger;
+pub use event::{Answer, Event, Output};
+use pace::Pace;
+use queue::{Asker, Queue};
+use splice::{Splice, Turn};
 
-/// Everything that can happen to a session.
-#[derive(Debug)]
-pub enum Event {
-    /// The axis said something.
-    FromAxis(FromAxis),
-    /// What the axis said cannot be read.
-    Unreadable(Rejected),
-    /// The axis has closed its side, or is gone.
-    AxisClosed,
-    /// The same stream was opened under a newer epoch.
-    Superseded {
-        /// The newer one.
-        by: u64,
-    },
-    /// This server is about to leave.
-    Drain,
-    /// This server leaves now.
-    Leave,
-}
-
-/// Everything that a session does.
-#[derive(Debug, PartialEq)]
-pub enum Output {
-    /// Says this to the axis.
-    Send(ToAxis),
-    /// The session is over: well, or for a reason.
-    End(Result<(), Rejected>),
-}
-
-/// How often a batch is sent again that the axis does not take, before the session gives up.
+/// How often a batch, or a splice, is sent again that the axis does not take, before the session gives up.
 const MOST_REFUSALS: u32 = 3;
+/// Messages that wait to be sent before no more is read from the axis.
+const MOST_UNSENT: usize = 64;
 
 /// One open stream.
 #[derive(Debug)]
 pub struct Session {
-    motion: Motion,
+    /// What the axis has adopted.
+    adopted: Branch,
+    /// What it is to adopt.
+    splice: Option<Splice>,
+    queue: Queue,
+    /// What became of the last operations, also of those that changed nothing.
+    recent: Vec<OperationResult>,
+    /// When the last of them took effect, which may be still to come: nothing is done before it.
+    effective: u64,
     close_at_rest: bool,
     batch_cycles: u64,
     credit: Credit,
-    ledger: Ledger,
+    pace: Pace,
     /// Refusals of batches since one was taken.
     refusals: u32,
-    /// The last batch has been sent, and what ends the session is the axis's word that it has it.
+    /// Where the axis was last told to stand still.
+    stands_at: Option<u64>,
     finished: bool,
     drained: bool,
     ended: bool,
     /// What is to be said before any further batch.
     outbox: VecDeque<Output>,
+    answers: VecDeque<Answer>,
 }
 
 impl Session {
@@ -82,43 +91,53 @@ impl Session {
     /// A plan that guarantees too little, or whose closing stop leaves the position range; an axis that has already
     /// executed something.
     pub fn open(open: Open, served_by: &str) -> Result<Self, Rejected> {
-        let Open { epoch, lead_cycles, batch_cycles, close_at_rest, executed_cycle, .. } = open;
+        let Open { epoch, lead_cycles, batch_cycles, axis_guard, close_at_rest, executed_cycle, .. } = open;
         if executed_cycle != 0 {
             let text = format!("is {executed_cycle}: a stream that opens with a plan begins at cycle 0");
             return Err(Rejected::for_field("open.executed_cycle", Reason::ValueOutOfRange, text));
         }
-        let motion = motion(&open)?;
+        let motion = motion(open)?;
         let opened = Opened {
             motion: motion.clone(),
             first_cycle: 1,
             served_by: served_by.into(),
             current_epoch: epoch,
         };
+        let batch_cycles = u64::from(batch_cycles.clamp(*BATCH_CYCLES.start(), *BATCH_CYCLES.end()));
         let mut session = Self {
-            motion,
+            adopted: Branch::opened(motion),
+            splice: None,
+            queue: Queue::default(),
+            recent: Vec::new(),
+            effective: 0,
             close_at_rest,
-            batch_cycles: u64::from(batch_cycles.clamp(*BATCH_CYCLES.start(), *BATCH_CYCLES.end())),
+            batch_cycles,
             credit: Credit::first(u64::from(lead_cycles)),
-            ledger: Ledger::default(),
+            pace: Pace::new(u64::from(axis_guard), batch_cycles.min(u64::from(lead_cycles))),
             refusals: 0,
+            stands_at: None,
             finished: false,
             drained: false,
             ended: false,
             outbox: VecDeque::from([Output::Send(ToAxis::Opened(Box::new(opened)))]),
+            answers: VecDeque::new(),
         };
-        if close_at_rest && session.motion.last_cycle() == 0 {
-            // Nothing moves: there is no cycle to send, and none to wait for.
-            session.finished = true;
-            session.tell(StreamEventKind::Finished, 0);
-            session.end(Ok(()));
-        }
+        // Where nothing moves there is no cycle to send, and none to wait for.
+        session.observe_end();
         Ok(session)
     }
 
     /// What the stream is doing.
     #[must_use]
     pub fn phase(&self) -> Phase {
-        if self.finished { Phase::Finished } else { self.motion.phase }
+        let phase = self.adopted.motion.under_way.phase_at(self.credit.executed());
+        if self.finished { Phase::Finished } else { phase }
+    }
+
+    /// The motion that the axis has adopted.
+    #[must_use]
+    pub fn motion(&self) -> &Motion {
+        &self.adopted.motion
     }
 
     /// Is there nothing more to come?
@@ -133,25 +152,26 @@ impl Session {
         self.ended
     }
 
+    /// Is so much unsent that the axis is to read before it says more?
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        self.outbox.len() >= MOST_UNSENT
+    }
+
     /// Would [`poll_output`](Self::poll_output) give something?
     #[must_use]
     pub fn has_output(&self) -> bool {
-        !self.outbox.is_empty() || (!self.ended && !self.finished && self.credit.has_more(self.end_cycle()))
+        !self.outbox.is_empty() || (!self.ended && self.has_batch())
     }
 
-    /// The last cycle that will be sent, where there is one.
-    fn end_cycle(&self) -> Option<u64> {
-        self.close_at_rest.then(|| self.motion.last_cycle())
-    }
-
-    /// Takes one thing that happened. Nothing is sent here: ask [`poll_output`](Self::poll_output).
+    /// Takes one thing that happened. Nothing is sent here: ask [`poll_output`](Self::poll_output) and
+    /// [`poll_answer`](Self::poll_answer).
     pub fn handle(&mut self, event: Event) {
-        if self.ended {
-            return;
-        }
         match event {
+            Event::Command { ticket, operation } => self.operate(Asker::Commander(ticket), operation),
+            _ if self.ended => {}
             Event::FromAxis(FromAxis::Report(report)) => self.report(&report),
-            Event::FromAxis(FromAxis::Operation(operation)) => self.refuse(operation.request_id),
+            Event::FromAxis(FromAxis::Operation(operation)) => self.operate(Asker::Axis, operation),
             Event::FromAxis(FromAxis::Open(_)) => {
                 let text = "a stream is opened once: send reports, or open another stream";
                 self.end(Err(Rejected::new(Reason::ProtocolOrder, text)));
@@ -175,25 +195,44 @@ impl Session {
         }
     }
 
-    /// The next thing to do, if there is one. A batch is made when it is asked for, so that what a slow axis has not
-    /// taken costs no memory.
+    /// The next thing to say to the axis, if there is one. A batch is made when it is asked for, so that what a slow axis has
+    /// not taken costs no memory.
     pub fn poll_output(&mut self) -> Option<Output> {
-        self.outbox.pop_front().or_else(|| self.next_batch().map(|batch| Output::Send(ToAxis::Batch(batch))))
+        if let Some(output) = self.outbox.pop_front() {
+            return Some(output);
+        }
+        if self.ended {
+            return None;
+        }
+        self.next_batch().map(|batch| Output::Send(ToAxis::Batch(batch)))
+    }
+
+    /// What became of a command, if that is known of one.
+    pub fn poll_answer(&mut self) -> Option<Answer> {
+        self.answers.pop_front()
     }
 
     fn report(&mut self, report: &Report) {
         if let Err(rejected) = self.credit.report(report) {
             return self.end(Err(rejected));
         }
-        if report.revision != self.motion.revision {
+        let accepted = report.accepted_cycle;
+        self.pace.reported(accepted, report.executed_cycle);
+        let sent = self.splice.as_ref().filter(|splice| splice.sent().is_some());
+        let confirms = sent.is_some_and(|splice| splice.branch.revision() == report.revision);
+        let branch = match sent {
+            Some(splice) if confirms => &splice.branch,
+            _ => &self.adopted,
+        };
+        if report.revision != branch.revision() {
             let text = format!(
                 "the report is of revision {}, and the motion is revision {}",
-                report.revision, self.motion.revision
+                report.revision,
+                branch.revision()
             );
             return self.end(Err(Rejected::new(Reason::ProtocolOrder, text)));
         }
-        let accepted = report.accepted_cycle;
-        let ours = self.ledger.digest_at(accepted, &self.motion);
+        let ours = branch.digest_at(accepted);
         if report.digest != ours {
             let text = format!(
                 "the setpoints through cycle {accepted} have digest {} at the axis and {ours} here: open the \
@@ -202,67 +241,117 @@ impl Session {
             );
             return self.end(Err(Rejected::new(Reason::DigestMismatch, text).with("cycle", accepted)));
         }
-        self.ledger.forget_before(accepted);
+        if confirms {
+            self.confirm();
+        }
+        self.adopted.forget_before(report.executed_cycle);
         if report.tail_from_cycle.is_some() {
             return self.end(Ok(()));
         }
-        match &report.refused {
-            Some(refused) => {
-                self.refusals += 1;
-                if self.refusals >= MOST_REFUSALS {
-                    let (cycle, why) = (refused.first_cycle, refused.reason.name());
-                    let text = format!("the axis has refused cycle {cycle} {MOST_REFUSALS} times: {why}");
-                    return self.end(Err(Rejected::new(Reason::NotConfirmed, text).with("cycle", cycle)));
-                }
-                self.credit.send_again_after(accepted);
-                self.ledger.forget_after(accepted);
-                self.finished = false;
-            }
-            None => self.refusals = 0,
+        if let Err(rejected) = self.take_refusal(report) {
+            return self.end(Err(rejected));
         }
-        self.observe_end(report);
+        self.observe_end();
+        self.advance();
     }
 
-    /// Notices that the plan has come to its end.
-    fn observe_end(&mut self, report: &Report) {
-        let last = self.motion.last_cycle();
-        if self.finished && report.accepted_cycle >= last {
+    /// Sends again what the axis has not taken.
+    fn take_refusal(&mut self, report: &Report) -> Result<(), Rejected> {
+        if let Some((first, _)) = self.splice.as_ref().and_then(Splice::sent) {
+            let of_splice = |refused: &proto::stream::Refused| {
+                refused.first_cycle == first && refused.revision == report.revision + 1
+            };
+            // Where its first cycle was executed as it was before, the splice has come to nothing, whatever was said.
+            if report.refused.as_ref().is_some_and(of_splice) || report.executed_cycle >= first {
+                self.withdraw(report.accepted_cycle);
+            }
+            // Anything else is about a batch that the splice replaces, or that follows on it.
+            return Ok(());
+        }
+        let Some(refused) = report.refused.as_ref() else {
+            self.refusals = 0;
+            return Ok(());
+        };
+        if refused.revision != self.adopted.revision() {
+            // Of a splice that was withdrawn.
+            return Ok(());
+        }
+        self.refusals += 1;
+        if self.refusals >= MOST_REFUSALS {
+            let (cycle, why) = (refused.first_cycle, refused.reason.name());
+            let text = format!("the axis has refused cycle {cycle} {MOST_REFUSALS} times: {why}");
+            return Err(Rejected::new(Reason::NotConfirmed, text).with("cycle", cycle));
+        }
+        self.send_again_after(report.accepted_cycle);
+        Ok(())
+    }
+
+    fn send_again_after(&mut self, accepted: u64) {
+        self.credit.send_again_after(accepted);
+        self.pace.forget_after(accepted);
+        self.adopted.forget_after(accepted);
+    }
+
+    /// Notices that the motion has come to its end.
+    fn observe_end(&mut self) {
+        let executed = self.credit.executed();
+        let last = self.adopted.motion.last_cycle();
+        if self.adopted.end(self.close_at_rest).is_some_and(|end| executed >= end) {
+            self.finished = true;
+            self.tell(StreamEventKind::Finished, last);
             self.end(Ok(()));
-        } else if self.motion.phase == Phase::Moving && !self.close_at_rest && report.executed_cycle >= last {
-            self.motion.phase = Phase::Standstill;
+        } else if self.phase() == Phase::Standstill && self.stands_at != Some(last) {
+            self.stands_at = Some(last);
             self.tell(StreamEventKind::Standstill, last);
         }
     }
 
-    fn next_batch(&mut self) -> Option<Batch> {
-        if self.ended || self.finished {
-            return None;
+    fn has_batch(&self) -> bool {
+        match self.turn() {
+            Turn::Replace(_) => true,
+            turn => self.credit.has_more(self.last_of(turn)),
         }
-        let end = self.end_cycle();
-        let cycles = self.credit.next(self.batch_cycles, end)?;
-        let of_plan = self.motion.plan_cycle(*cycles.start())..self.motion.plan_cycle(*cycles.end()) + 1;
-        let columns = Columns::of_plan(self.motion.plan.plan(), of_plan);
-        let before = self.ledger.last();
-        let digest = columns.digests(*cycles.start(), before).last().unwrap_or(before);
-        self.ledger.note(*cycles.end(), digest);
-        let last = end == Some(*cycles.end());
-        if last {
-            self.finished = true;
-            self.tell(StreamEventKind::Finished, *cycles.end());
-        }
-        let (first_cycle, revision) = (*cycles.start(), self.motion.revision);
-        Some(Batch { first_cycle, revision, replaces: false, last, columns, digest })
     }
 
-    fn refuse(&mut self, request_id: String) {
-        let text = "operations on a motion under way are not implemented: let it end, then open a new stream";
-        let rejected = Rejected::new(Reason::NotImplemented, text);
-        let refusal = OperationRefusal { request_id, rejected };
-        // An axis that asks faster than it reads is answered the latest, not all.
-        const MOST_WAITING: usize = 64;
-        if self.outbox.len() < MOST_WAITING {
-            self.outbox.push_back(Output::Send(ToAxis::Refusal(refusal)));
+    fn turn(&self) -> Turn {
+        self.splice.as_ref().map_or(Turn::Going, |splice| splice.turn(self.credit.sent()))
+    }
+
+    /// The last cycle that may be sent in this turn, where there is one.
+    fn last_of(&self, turn: Turn) -> Option<u64> {
+        match (turn, &self.splice) {
+            (Turn::Before(last), _) => Some(last),
+            // The stream does not end before the cycle that says so.
+            (Turn::First, Some(splice)) => {
+                splice.branch.end(self.close_at_rest).map(|end| end.max(self.credit.sent() + 1))
+            }
+            (_, Some(splice)) => splice.branch.end(self.close_at_rest),
+            (_, None) => self.adopted.end(self.close_at_rest),
         }
+    }
+
+    fn next_batch(&mut self) -> Option<Batch> {
+        let turn = self.turn();
+        let (sent, executed) = (self.credit.sent(), self.credit.executed());
+        let end = self.last_of(turn);
+        let cycles = match turn {
+            Turn::Replace(first) => first..=sent,
+            Turn::Before(_) | Turn::First | Turn::Going => self.credit.next(self.batch_cycles, end)?,
+        };
+        let branch = match (turn, &mut self.splice) {
+            (Turn::Before(_), _) | (_, None) => &mut self.adopted,
+            (Turn::Going, Some(splice)) => &mut splice.branch,
+            (Turn::Replace(_) | Turn::First, Some(splice)) => {
+                splice.begin(*cycles.start(), executed);
+                // What was sent before, and not as the last, stays at the axis.
+                splice.branch.raise_floor(sent.max(*cycles.start()));
+                &mut splice.branch
+            }
+        };
+        let replaces = matches!(turn, Turn::Replace(_));
+        let last = branch.end(self.close_at_rest) == Some(*cycles.end());
+        self.pace.sent(*cycles.end(), executed);
+        Some(branch.batch(cycles, replaces, last))
     }
 
     fn tell(&mut self, kind: StreamEventKind, at_cycle: u64) {
@@ -270,13 +359,14 @@ impl Session {
     }
 
     fn end(&mut self, how: Result<(), Rejected>) {
+        self.leave_undone();
         self.ended = true;
         self.outbox.push_back(Output::End(how));
     }
 }
 
 /// The motion that an opened plan becomes: with a stop after it, if it ends at speed.
-fn motion(open: &Open) -> Result<Motion, Rejected> {
+fn motion(open: Open) -> Result<Motion, Rejected> {
     let plan = open.plan.plan();
     let proved = plan.guarantees(Quantity::Velocity) && plan.guarantees(Quantity::Acceleration);
     if !proved && !open.accept_unproved {
@@ -284,18 +374,8 @@ fn motion(open: &Open) -> Result<Motion, Rejected> {
                     accept_unproved";
         return Err(Rejected::for_field("open.plan", Reason::NotProved, text));
     }
-    let within_plan = |invalid| proto::within("open.plan", invalid);
-    let (plan, closing_from_cycle) = match plan.with_closing_stop().map_err(within_plan)? {
-        Some((stopped, from)) => (proto::accepted("open.plan", stopped)?, Some(from)),
-        None => (open.plan.clone(), None),
-    };
-    Ok(Motion {
-        revision: 0,
-        from_cycle: 0,
-        digest_before: Digest::ZERO,
-        plan,
-        override_factor: 1.0,
-        phase: Phase::Moving,
-        closing_from_cycle,
+    planner::motion::Motion::open(open.plan).map(Motion::opened).map_err(|refused| match refused {
+        planner::motion::Refused::Invalid(invalid) => proto::within("open.plan", invalid),
+        other => other.into(),
     })
 }

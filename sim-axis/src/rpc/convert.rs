@@ -265,11 +265,13 @@ impl From<pb::StreamReportCard> for StreamReport {
             max_cycle_jitter,
             digest,
             stop_tail_used,
+            revisions,
         } = wire;
         Self {
             cycles_executed,
             counters: counters.unwrap_or_default().into(),
             failovers,
+            revisions,
             jitter: Jitter { p50: p50_cycle_jitter, p99: p99_cycle_jitter, max: max_cycle_jitter },
             digest: Digest::from(digest),
             stop_tail_used,
@@ -279,7 +281,8 @@ impl From<pb::StreamReportCard> for StreamReport {
 
 impl From<StreamReport> for pb::StreamReportCard {
     fn from(report: StreamReport) -> Self {
-        let StreamReport { cycles_executed, counters, failovers, jitter, digest, stop_tail_used } = report;
+        let StreamReport { cycles_executed, counters, failovers, revisions, jitter, digest, stop_tail_used } =
+            report;
         let Jitter { p50, p99, max } = jitter;
         Self {
             cycles_executed,
@@ -290,6 +293,7 @@ impl From<StreamReport> for pb::StreamReportCard {
             max_cycle_jitter: max,
             digest: u64::from(digest),
             stop_tail_used,
+            revisions,
         }
     }
 }
@@ -352,7 +356,7 @@ mod tests {
 
         #[test]
         fn reports_come_back_as_they_were(
-            n in any::<[f64; 10]>(), settling_time: Option<f64>, c in any::<[u64; 9]>(), stop_tail_used: bool,
+            n in any::<[f64; 10]>(), settling_time: Option<f64>, c in any::<[u64; 10]>(), stop_tail_used: bool,
         ) {
             let card = ReportCard {
                 axis: "x".into(),
@@ -379,6 +383,7 @@ mod tests {
                         late_cycles: c[6],
                     },
                     failovers: c[7],
+                    revisions: c[9],
                     jitter: Jitter { p50: n[7], p99: n[8], max: n[9] },
                     digest: Digest::from(c[8]),
                     stop_tail_used,

@@ -3,6 +3,7 @@
 use client::{Error, address};
 use proto::pb::run_tracking_response::Message;
 use proto::pb::sim_axis_service_client::SimAxisServiceClient;
+use proto::stream::{Operation, OperationResult};
 use proto::{MAX_MESSAGE_BYTES, Rejected, pb, plan_to_wire};
 use tonic::transport::Channel;
 use tonic::{Status, Streaming};
@@ -46,6 +47,19 @@ impl RemoteAxis {
         let response = self.service.clone().run_tracking(request).await;
         let incoming = response.map_err(|status| self.error(&status))?.into_inner();
         Ok(RemoteRun { endpoint: self.endpoint.clone(), incoming, report: None })
+    }
+
+    /// Does an operation on a stream that the simulator follows; where `stream` is empty, the only one.
+    ///
+    /// # Errors
+    /// [`Error::Rejected`] with what the planner refuses it for, or where no such stream is followed.
+    pub async fn command(&self, stream: &str, operation: Operation) -> Result<OperationResult, Error> {
+        let operation = Some(operation.into());
+        let request = pb::CommandRequest { stream: stream.into(), operation };
+        let request = Error::unless_fits(&self.endpoint, request, MAX_MESSAGE_BYTES)?;
+        let response = self.service.clone().command(request).await;
+        let result = response.map_err(|status| self.error(&status))?.into_inner().result;
+        result.map(Into::into).ok_or_else(|| Error::Protocol("an answer without a result".into()))
     }
 
     fn error(&self, status: &Status) -> Error {

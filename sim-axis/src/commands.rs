@@ -1,0 +1,95 @@
+//! Operations that others ask of an axis: forwarded in band, and answered as the server answers.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+
+use client::Reports;
+use proto::stream::{FromAxis, Operation, OperationResult};
+use proto::{Reason, Rejected};
+use tokio::sync::{mpsc, oneshot};
+
+/// Asks for operations on the stream of a run, from anywhere.
+#[derive(Clone, Debug)]
+pub struct Commander {
+    inbox: mpsc::Sender<Command>,
+}
+
+/// One operation, and whoever waits for what becomes of it.
+#[derive(Debug)]
+pub(crate) struct Command {
+    operation: Operation,
+    answer: Answer,
+}
+
+type Answer = oneshot::Sender<Result<OperationResult, Rejected>>;
+
+/// Commands that wait to be forwarded.
+const COMMANDS: usize = 16;
+
+/// A commander, and where its commands come out.
+pub(crate) fn commander() -> (Commander, mpsc::Receiver<Command>) {
+    let (inbox, commands) = mpsc::channel(COMMANDS);
+    (Commander { inbox }, commands)
+}
+
+impl Commander {
+    /// Asks for an operation, and waits until the server says what became of it.
+    ///
+    /// # Errors
+    /// What the server refuses it for; [`Reason::NotConfirmed`] where the run is over before it is answered.
+    pub async fn operate(&self, operation: Operation) -> Result<OperationResult, Rejected> {
+        let (answer, answered) = oneshot::channel();
+        let sent = self.inbox.send(Command { operation, answer }).await;
+        sent.map_err(|_| not_confirmed())?;
+        answered.await.unwrap_or_else(|_| Err(not_confirmed()))
+    }
+
+    /// Is it the commander of the same run?
+    pub(crate) fn is_of(&self, other: &Self) -> bool {
+        self.inbox.same_channel(&other.inbox)
+    }
+}
+
+/// Those who wait, by request.
+#[derive(Debug, Default)]
+pub(crate) struct Waiting {
+    answers: Mutex<HashMap<String, Vec<Answer>>>,
+}
+
+impl Waiting {
+    /// Tells those who wait for it what became of a request.
+    pub(crate) fn tell(&self, request_id: &str, result: &Result<OperationResult, Rejected>) {
+        let answers = self.answers.lock().unwrap_or_else(PoisonError::into_inner).remove(request_id);
+        for answer in answers.into_iter().flatten() {
+            // Who does not wait any more may ask again.
+            let _ = answer.send(result.clone());
+        }
+    }
+
+    /// Nothing more will be answered.
+    pub(crate) fn give_up(&self) {
+        self.answers.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+
+    fn expect(&self, request_id: &str, answer: Answer) {
+        let mut answers = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
+        answers.entry(request_id.to_owned()).or_default().push(answer);
+    }
+}
+
+/// Forwards commands until the stream is over, or nobody is left who could ask.
+pub(crate) async fn forward(mut commands: mpsc::Receiver<Command>, reports: Reports, waiting: &Waiting) {
+    while let Some(Command { operation, answer }) = commands.recv().await {
+        waiting.expect(&operation.request_id, answer);
+        if !reports.say(&FromAxis::Operation(operation)).await {
+            break;
+        }
+    }
+    waiting.give_up();
+}
+
+fn not_confirmed() -> Rejected {
+    let text = "the run ended before the operation was answered: send it again with the same request_id, if the motion \
+                goes on";
+    Rejected::new(Reason::NotConfirmed, text)
+}
