@@ -244,7 +244,7 @@ fn whoever_takes_longer_on_the_way_back_fails() {
         State::at_rest(9.0),
         limits(1.5, 1.0, 1.0),
     );
-    let back: Vec<_> = led.plan().axes()[0].profile.segments()[..2].to_vec();
+    let back: Vec<_> = led.plan().axes()[0].profile.segments().iter().take(2).collect();
     let joined = Profile::new(back, again.plan().axes()[0].profile.start())
         .followed_by(&again.plan().axes()[0].profile);
     let axis =
