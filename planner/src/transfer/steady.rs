@@ -126,7 +126,8 @@ impl Upper {
             let steady = at(above);
             (steady.way() - self.way, steady.slope())
         };
-        let above = sign_change(0.0, gap, value_and_slope)?;
+        // Where both ends come to the same velocity there is nothing to choose.
+        let above = if gap > 0.0 { sign_change(0.0, gap, value_and_slope)? } else { 0.0 };
         let steady = at(least(gap, above));
         (steady.time >= 0.0).then(|| steady.settled(self.way))
     }
