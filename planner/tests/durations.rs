@@ -6,10 +6,11 @@
 //! ```
 
 #![allow(
+    clippy::float_cmp,
     clippy::unwrap_used,
     clippy::panic,
     clippy::print_stdout,
-    reason = "a test may fail by panicking; this one also reports"
+    reason = "a test may fail by panicking; this one also reports, and compares what is to be the same number"
 )]
 
 mod common;
@@ -66,7 +67,11 @@ impl Tally {
         let mut durations: Vec<f64> = (0..6).map(|_| least * (1.0 + random.decades(1e-6, 1e3))).collect();
         for interval in blocked {
             let last = interval.before.min(1e3 * interval.after);
-            durations.extend([interval.after, last, interval.after + random.unit() * (last - interval.after)]);
+            durations.extend([
+                interval.after,
+                last,
+                interval.after + random.unit() * (last - interval.after),
+            ]);
             if interval.before - interval.after > 4.0 * BESIDE * interval.before {
                 durations.extend([interval.after * (1.0 + BESIDE), last * (1.0 - BESIDE)]);
             }
@@ -75,7 +80,10 @@ impl Tally {
         for duration in durations {
             match axis.lasting(duration) {
                 Ok(planned) => {
-                    assert!(!(exact && inside(duration, 0.5 * BESIDE)), "{duration} is blocked: {asked:?}: {arrivals:?}: {planned:?}");
+                    assert!(
+                        !(exact && inside(duration, 0.5 * BESIDE)),
+                        "{duration} is blocked: {asked:?}: {arrivals:?}: {planned:?}"
+                    );
                     self.most_pieces = self.most_pieces.max(planned.segments().len());
                     check_legal(asked, duration, &planned);
                 }

@@ -6,10 +6,11 @@
 //! ```
 
 #![allow(
+    clippy::float_cmp,
     clippy::unwrap_used,
     clippy::panic,
     clippy::print_stdout,
-    reason = "a test may fail by panicking; this one also reports"
+    reason = "a test may fail by panicking; this one also reports, and compares what is to be the same number"
 )]
 
 mod common;
@@ -19,8 +20,8 @@ use common::axes::{Peer, SEVEN, questions};
 use common::peer;
 use common::states::{Kind, Question};
 use planner::{
-    AxisTransfer, BoundsSpec, CycleTime, Limits, LimitsSpec, NoSuchDuration, State, Synchronization, Timing, Together,
-    Transfer, Transit, Why, together, transfer_violations, violations,
+    AxisTransfer, BoundsSpec, CycleTime, Limits, LimitsSpec, NoSuchDuration, State, Synchronization, Timing,
+    Together, Transfer, Transit, Why, together, transfer_violations, violations,
 };
 use serde::Deserialize;
 
@@ -105,7 +106,8 @@ fn off_line(asked: &[Question], transits: &[Transit]) -> f64 {
         let gone = |axis: usize| transits[axis].at(t).state.position - asked[axis].start.position;
         for axis in 0..asked.len() {
             let off = gone(axis) - gone(longest) * ways[axis] / ways[longest];
-            let rounding = 16.0 * f64::EPSILON * (asked[axis].start.position.abs() + asked[axis].goal.position.abs());
+            let far = |axis: usize| asked[axis].start.position.abs() + asked[axis].goal.position.abs();
+            let rounding = 16.0 * f64::EPSILON * (far(axis) + far(longest));
             worst = worst.max((off.abs() - rounding) / ways[longest].abs());
         }
     }
@@ -123,7 +125,8 @@ fn line_of(asked: &[Question]) -> Question {
             .map(|asked| limit(&asked.bounds) / (way(asked) / way(leader)).abs())
             .fold(f64::INFINITY, f64::min)
     };
-    let (velocity, acceleration) = (allowed(|bounds| bounds.max_velocity), allowed(|bounds| bounds.max_acceleration));
+    let (velocity, acceleration) =
+        (allowed(|bounds| bounds.max_velocity), allowed(|bounds| bounds.max_acceleration));
     let bounds = BoundsSpec {
         min_velocity: -velocity,
         max_velocity: velocity,
@@ -148,26 +151,42 @@ fn never_longer_than_the_records() {
         let (agreed, _) = planned(&asked, Synchronization::Time, timing);
         if record.collinear {
             // Where one axis alone does not bind all the way, the peer leaves the line; so it is asked for the line itself.
-            if let Err(refusal) = together(&transfers(&asked), Synchronization::Phase, timing, &mut Vec::new()) {
-                let swept = refusal.as_slice().iter().all(|one| matches!(one.why, Why::StartOutsideLimits { .. }));
+            if let Err(refusal) =
+                together(&transfers(&asked), Synchronization::Phase, timing, &mut Vec::new())
+            {
+                let swept =
+                    refusal.as_slice().iter().all(|one| matches!(one.why, Why::StartOutsideLimits { .. }));
                 assert!(swept, "{index}: {refusal}");
                 swept_beyond += 1;
                 continue;
             }
             let (agreed, transits) = planned(&asked, Synchronization::Phase, timing);
-            let theirs = line_peer.duration(&peer::question(&line_of(&asked))).unwrap().max(timing.minimum_duration);
+            let theirs =
+                line_peer.duration(&peer::question(&line_of(&asked))).unwrap().max(timing.minimum_duration);
             assert!(agreed.duration <= theirs * (1.0 + SLACK), "{index}: {agreed:?}, theirs {theirs}");
-            assert!(agreed.duration >= record.duration * (1.0 - SLACK), "{index}: {agreed:?}, theirs {}", record.duration);
+            assert!(
+                agreed.duration >= record.duration * (1.0 - SLACK),
+                "{index}: {agreed:?}, theirs {}",
+                record.duration
+            );
             left_by_the_peer += u32::from(agreed.duration > record.duration * (1.0 + SLACK));
             let off = off_line(&asked, &transits);
             assert!(off <= END, "{index}: {off:e} off the line");
             on_line += 1;
         } else {
             // Where there is no line the peer synchronizes in time.
-            assert!(agreed.duration <= record.duration * (1.0 + SLACK), "{index}: {agreed:?}, theirs {}", record.duration);
+            assert!(
+                agreed.duration <= record.duration * (1.0 + SLACK),
+                "{index}: {agreed:?}, theirs {}",
+                record.duration
+            );
             if record.sync == "phase" {
-                let refusal = together(&transfers(&asked), Synchronization::Phase, timing, &mut Vec::new()).unwrap_err();
-                assert!(refusal.as_slice().iter().all(|one| matches!(one.why, Why::OffTheLine { .. })), "{refusal}");
+                let refusal = together(&transfers(&asked), Synchronization::Phase, timing, &mut Vec::new())
+                    .unwrap_err();
+                assert!(
+                    refusal.as_slice().iter().all(|one| matches!(one.why, Why::OffTheLine { .. })),
+                    "{refusal}"
+                );
             }
         }
         if agreed.duration < record.duration * (1.0 - SLACK) {
@@ -202,7 +221,8 @@ fn compare(count: u32, seed: u64) {
             let asked = questions(&mut random, kind, axes);
             let (ours, _) = planned(&asked, Synchronization::Time, Timing::default());
             tally.asked += 1;
-            let least = transfers(&asked).iter().map(|axis| axis.fastest().unwrap().duration()).fold(0.0, f64::max);
+            let least =
+                transfers(&asked).iter().map(|axis| axis.fastest().unwrap().duration()).fold(0.0, f64::max);
             tally.blocked += u32::from(ours.duration > least * (1.0 + SLACK));
             if ours.duration < NOTHING {
                 continue;
@@ -257,7 +277,10 @@ fn ends_on_a_cycle() {
             let timing = Timing { minimum_duration: 0.0, end_on: Some(cycle) };
             let (agreed, _) = planned(&asked, Synchronization::Time, timing);
             let cycles = cycle.count(agreed.duration).unwrap();
-            assert!((agreed.duration - cycle.start_of(cycles)).abs() <= 1e-11 * agreed.duration, "{agreed:?}: {asked:?}");
+            assert!(
+                (agreed.duration - cycle.start_of(cycles)).abs() <= 1e-11 * agreed.duration,
+                "{agreed:?}: {asked:?}"
+            );
             assert!(agreed.duration >= free.duration * (1.0 - 1e-11));
             // Nothing less: each whole number of cycles before it is blocked for one of them.
             let before = cycle.start_of(cycles - cycles.min(1));
@@ -292,7 +315,9 @@ fn a_blocked_axis_is_critical() {
     let [blocked] = arrivals.blocked() else { panic!("{arrivals:?}") };
     assert_eq!(arrivals.least(), 1.0);
     assert!(blocked.after < 2.0 && 2.0 < blocked.before, "{blocked:?}");
-    let way = (1..400).map(|step| 0.01 * f64::from(step)).find(|&way| slow(way).fastest().unwrap().duration() > 2.0);
+    let way = (1..400)
+        .map(|step| 0.01 * f64::from(step))
+        .find(|&way| slow(way).fastest().unwrap().duration() > 2.0);
     let mut transits = Vec::new();
     let axes = [slow(way.unwrap()), fast];
     let agreed = together(&axes, Synchronization::Time, Timing::default(), &mut transits).unwrap();
@@ -307,12 +332,15 @@ fn a_blocked_axis_is_critical() {
 /// An axis that may not go back, and whose goal is passed at speed, arrives early or never.
 #[test]
 fn an_axis_that_cannot_wait() {
-    let bounds = BoundsSpec { min_velocity: 0.0, ..*planner::Bounds::symmetric(1.0, 1.0, 10.0).unwrap().spec() };
+    let bounds =
+        BoundsSpec { min_velocity: 0.0, ..*planner::Bounds::symmetric(1.0, 1.0, 10.0).unwrap().spec() };
     let bounds = bounds.try_into().unwrap();
     let at_speed = State { position: 0.0, velocity: 1.0, acceleration: 0.0 };
-    let hasty = AxisTransfer::from(Transfer::new(at_speed, State { position: 0.5, ..at_speed }, bounds).unwrap());
+    let hasty =
+        AxisTransfer::from(Transfer::new(at_speed, State { position: 0.5, ..at_speed }, bounds).unwrap());
     let slow = AxisTransfer::from(Transfer::new(rest(0.0), rest(9.0), bounds).unwrap());
-    let refusal = together(&[slow, hasty], Synchronization::Time, Timing::default(), &mut Vec::new()).unwrap_err();
+    let refusal =
+        together(&[slow, hasty], Synchronization::Time, Timing::default(), &mut Vec::new()).unwrap_err();
     assert_eq!(refusal.as_slice()[0].field.as_str(), "axes[1]");
     assert!(matches!(refusal.as_slice()[0].why, Why::ArrivesEarly { .. }), "{refusal}");
 }
@@ -331,8 +359,11 @@ fn speeding_up_and_slowing_down() {
             .iter()
             .map(|limits| {
                 let gentle = 0.9 * limits.acceleration().min(limits.deceleration());
-                let mut any = |most: f64| if random.bits().is_multiple_of(3) { 0.0 } else { random.between(-most, most) };
-                let mut state = || State { position: any(3.0), velocity: any(0.8), acceleration: any(gentle.min(1.5)) };
+                let mut any = |most: f64| {
+                    if random.bits().is_multiple_of(3) { 0.0 } else { random.between(-most, most) }
+                };
+                let mut state =
+                    || State { position: any(3.0), velocity: any(0.8), acceleration: any(gentle.min(1.5)) };
                 let mut ends = (state(), state());
                 for end in [&mut ends.0, &mut ends.1] {
                     end.velocity *= 1.0 - 0.5 * end.acceleration * end.acceleration / 20.0;
@@ -351,7 +382,11 @@ fn speeding_up_and_slowing_down() {
         assert!(agreed.duration >= slowest);
         blocked += u32::from(agreed.duration > slowest);
         for ((transit, limits), (_, goal)) in transits.iter().zip(&limits).zip(&asked) {
-            assert_eq!(violations(&transit.to_profile(), limits, *goal), [], "{asked:?} {limits:?}: {transit:?}");
+            assert_eq!(
+                violations(&transit.to_profile(), limits, *goal),
+                [],
+                "{asked:?} {limits:?}: {transit:?}"
+            );
             assert!((transit.duration() - agreed.duration).abs() <= 4.0 * f64::EPSILON * agreed.duration);
         }
         planned += 1;
@@ -387,7 +422,11 @@ fn a_line_within_limits() {
         let mut transits = Vec::new();
         let agreed = together(&questions, Synchronization::Phase, Timing::default(), &mut transits).unwrap();
         for ((transit, limits), (_, goal)) in transits.iter().zip(&limits).zip(&asked) {
-            assert_eq!(violations(&transit.to_profile(), limits, *goal), [], "{asked:?} {limits:?}: {transit:?}");
+            assert_eq!(
+                violations(&transit.to_profile(), limits, *goal),
+                [],
+                "{asked:?} {limits:?}: {transit:?}"
+            );
             assert_eq!(transit.duration(), agreed.duration);
         }
         let slowest = questions.iter().map(|axis| axis.fastest().unwrap().duration()).fold(0.0, f64::max);
@@ -406,8 +445,12 @@ fn a_line_within_limits() {
 #[test]
 fn what_is_refused() {
     let within = Limits::try_from(limits(1.0, 1.0)).unwrap();
-    let ranged =
-        Limits::try_from(LimitsSpec { min_position: Some(-0.01), max_position: Some(3.0), ..limits(1.0, 1.0) }).unwrap();
+    let ranged = Limits::try_from(LimitsSpec {
+        min_position: Some(-0.01),
+        max_position: Some(3.0),
+        ..limits(1.0, 1.0)
+    })
+    .unwrap();
     let to = |goal: State| AxisTransfer::within_limits(rest(0.0), goal, &within).unwrap();
     let from = State { velocity: -0.5, ..rest(0.0) };
     let leaves = AxisTransfer::within_limits(from, rest(1.0), &ranged).unwrap();
@@ -417,7 +460,10 @@ fn what_is_refused() {
     let (time, phase) = (Synchronization::Time, Synchronization::Phase);
     let rows = [
         (refused(&[], time, Timing::default()), "axes: is empty: give at least one axis"),
-        (refused(&[to(rest(1.0))], time, at_least(Some(-1.0))), "minimum_duration: is -1 s: give a time above 0"),
+        (
+            refused(&[to(rest(1.0))], time, at_least(Some(-1.0))),
+            "minimum_duration: is -1 s: give a time above 0",
+        ),
         (
             refused(&[to(rest(1.0)), leaves], time, Timing::default()),
             "axes[1]: the motion reaches -0.024583333333333332 at 0.05 s, beyond -0.01: stay inside or move \
@@ -445,7 +491,9 @@ fn nothing_to_do() {
         assert_eq!(agreed.duration, 0.0);
         let agreed = together(&[there, there], how, at_least(Some(2.0)), &mut transits).unwrap();
         assert_eq!((agreed.duration, agreed.critical), (2.0, None));
-        assert!(transits.iter().all(|transit| transit.at(1.0).state == rest(5.0) && transit.end() == rest(5.0)));
+        assert!(
+            transits.iter().all(|transit| transit.at(1.0).state == rest(5.0) && transit.end() == rest(5.0))
+        );
     }
 }
 

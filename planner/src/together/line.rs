@@ -3,7 +3,9 @@ use arrayvec::ArrayVec;
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::{largest, least, sqrt};
 use crate::transfer::Within;
-use crate::{AxisTransfer, LIMIT_TOLERANCE, Bounds, BoundsSpec, Limits, LimitsSpec, MAX_AXES, State, Transfer, Transit};
+use crate::{
+    AxisTransfer, Bounds, BoundsSpec, LIMIT_TOLERANCE, Limits, LimitsSpec, MAX_AXES, State, Transfer, Transit,
+};
 
 /// Of a part of a state \[1\]: how far from the line it may be, since it was computed. The pieces of the axis are apart by as much.
 const ON_THE_LINE: f64 = 1e-12;
@@ -31,7 +33,8 @@ enum May {
 
 impl May {
     fn of(axes: &[AxisTransfer<'_>], shares: &[f64]) -> Result<Self, InvalidFields> {
-        let shares = if shares.iter().all(|share| *share == 0.0) { &[1.0; MAX_AXES][..axes.len()] } else { shares };
+        let shares =
+            if shares.iter().all(|share| *share == 0.0) { &[1.0; MAX_AXES][..axes.len()] } else { shares };
         let common = bounds(axes, shares);
         let mut ramps = (f64::INFINITY, f64::INFINITY);
         for (axis, share) in axes.iter().zip(shares).filter(|(_, share)| **share != 0.0) {
@@ -39,7 +42,8 @@ impl May {
                 return Bounds::try_from(common).map(Self::Bounds);
             };
             let size = share.abs();
-            ramps = (least(ramps.0, limits.acceleration() / size), least(ramps.1, limits.deceleration() / size));
+            ramps =
+                (least(ramps.0, limits.acceleration() / size), least(ramps.1, limits.deceleration() / size));
         }
         let limits = LimitsSpec {
             max_velocity: common.max_velocity,
@@ -83,7 +87,8 @@ impl Line {
     pub(super) fn of(axes: &[AxisTransfer<'_>]) -> Result<Self, InvalidFields> {
         let (leader, which) = direction(axes);
         let leading = axes.get(leader).map(parts).unwrap_or_default();
-        let shares: ArrayVec<f64, MAX_AXES> = axes.iter().map(|axis| share(parts(axis)[which], leading[which])).collect();
+        let shares: ArrayVec<f64, MAX_AXES> =
+            axes.iter().map(|axis| share(parts(axis)[which], leading[which])).collect();
         let mut invalid = InvalidFields::default();
         for (index, (axis, &share)) in axes.iter().zip(&shares).enumerate() {
             note_axis(&mut invalid, index, off_the_line(parts(axis), leading, share));
@@ -151,7 +156,8 @@ fn swept_beyond(axis: &AxisTransfer<'_>, jerk: f64) -> InvalidFields {
 fn direction(axes: &[AxisTransfer<'_>]) -> (usize, usize) {
     for which in 0..5 {
         let size = |index: usize| parts(&axes[index])[which].1.abs();
-        let leader = (0..axes.len()).fold(0, |most, index| if size(index) > size(most) { index } else { most });
+        let leader =
+            (0..axes.len()).fold(0, |most, index| if size(index) > size(most) { index } else { most });
         if !axes.is_empty() && size(leader) > 0.0 {
             return (leader, which);
         }
@@ -168,7 +174,8 @@ fn off_the_line(parts: [Part; 5], leading: [Part; 5], share: f64) -> InvalidFiel
     let mut invalid = InvalidFields::default();
     for ((name, given, rounding), (_, of_leader, leader_rounding)) in parts.into_iter().zip(leading) {
         let needed = share * of_leader;
-        let slack = ON_THE_LINE * largest(given.abs(), needed.abs()) + rounding + share.abs() * leader_rounding;
+        let slack =
+            ON_THE_LINE * largest(given.abs(), needed.abs()) + rounding + share.abs() * leader_rounding;
         let off = (given - needed).abs() > slack;
         invalid.note(name, off.then_some(Why::OffTheLine { given, needed }));
     }
@@ -177,7 +184,8 @@ fn off_the_line(parts: [Part; 5], leading: [Part; 5], share: f64) -> InvalidFiel
 
 /// What an axis allows along the line, of which it moves its share: each limit divided by that.
 fn along(axis: &AxisTransfer<'_>, share: f64) -> BoundsSpec {
-    let BoundsSpec { min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk } = axis.signed();
+    let BoundsSpec { min_velocity, max_velocity, min_acceleration, max_acceleration, max_jerk } =
+        axis.signed();
     let (velocities, accelerations) = if share < 0.0 {
         ((max_velocity, min_velocity), (max_acceleration, min_acceleration))
     } else {

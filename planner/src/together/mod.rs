@@ -140,7 +140,11 @@ fn slowest(transits: &[Transit]) -> Together {
 }
 
 /// Each axis by itself.
-fn apart(axes: &[AxisTransfer<'_>], timing: Timing, transits: &mut Vec<Transit>) -> Result<Together, InvalidFields> {
+fn apart(
+    axes: &[AxisTransfer<'_>],
+    timing: Timing,
+    transits: &mut Vec<Transit>,
+) -> Result<Together, InvalidFields> {
     plan_fastest(axes, transits)?;
     let critical = slowest(transits).critical;
     let mut stretched = false;
@@ -218,7 +222,11 @@ fn last_cycle(duration: f64, cycle: CycleTime) -> Result<f64, InvalidFields> {
 }
 
 /// All axes on a straight line.
-fn in_line(axes: &[AxisTransfer<'_>], timing: Timing, transits: &mut Vec<Transit>) -> Result<Together, InvalidFields> {
+fn in_line(
+    axes: &[AxisTransfer<'_>],
+    timing: Timing,
+    transits: &mut Vec<Transit>,
+) -> Result<Together, InvalidFields> {
     let line = Line::of(axes)?;
     let of_leader = of_axis(line.leader());
     let question = line.question().map_err(&of_leader)?;

@@ -55,7 +55,8 @@ impl Arrivals {
     #[must_use]
     pub fn first_from(&self, duration: f64) -> f64 {
         let duration = largest(self.least, duration);
-        let around = self.blocked.iter().find(|blocked| blocked.after < duration && duration < blocked.before);
+        let around =
+            self.blocked.iter().find(|blocked| blocked.after < duration && duration < blocked.before);
         around.map_or(duration, |blocked| blocked.before)
     }
 }
@@ -74,7 +75,8 @@ impl Timed {
     /// What lies between `least` \[s\], the least duration, and those that are all allowed.
     pub(super) fn arrivals(&self, least_duration: f64) -> Arrivals {
         // What takes less than the fastest change of velocity counts where the least duration is that of other limits.
-        let mut failing: Intervals = [(f64::NEG_INFINITY, self.change)].into_iter().chain(self.gap()).collect();
+        let mut failing: Intervals =
+            [(f64::NEG_INFINITY, self.change)].into_iter().chain(self.gap()).collect();
         for family in &self.families {
             self.shortfalls(family, &mut failing);
         }
@@ -88,7 +90,9 @@ impl Timed {
             let rounding = SAME_TIME * if least_duration > 0.0 { least_duration } else { before };
             let after = if after <= least_duration + rounding { least_duration } else { after };
             match blocked.last_mut() {
-                Some(last) if after <= last.before * (1.0 + SAME_TIME) => last.before = largest(last.before, before),
+                Some(last) if after <= last.before * (1.0 + SAME_TIME) => {
+                    last.before = largest(last.before, before)
+                }
                 _ if before == f64::INFINITY || before - after > SLIVER * before => {
                     let _ = blocked.try_push(Blocked { after, before });
                 }
@@ -122,7 +126,11 @@ impl Timed {
         let last = mark(marks.last().copied().unwrap_or(self.change));
         if since.is_some() || is_short(&last) {
             let begin = since.unwrap_or(last.time);
-            let end = if family.top > 0.0 { last.time + largest(0.0, -last.over) / family.top } else { f64::INFINITY };
+            let end = if family.top > 0.0 {
+                last.time + largest(0.0, -last.over) / family.top
+            } else {
+                f64::INFINITY
+            };
             failing.push((begin, end));
         }
     }

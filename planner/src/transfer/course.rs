@@ -1,9 +1,9 @@
 use arrayvec::ArrayVec;
 
+use super::Transfer;
 use super::bounds::{Bounds, BoundsSpec};
 use super::ends::Phases;
 use super::lead_in::LeadIn;
-use super::Transfer;
 
 /// The most pieces of a motion between two states: two to lead a start back into its limits, and nine.
 pub const MAX_TRANSIT_PIECES: usize = 11;
@@ -78,8 +78,11 @@ impl Course {
             phases[2] += phases[4];
             phases[4] = 0.0;
         }
-        let (raised, lowered) =
-            if sign < 0.0 { (min_acceleration, max_acceleration) } else { (max_acceleration, min_acceleration) };
+        let (raised, lowered) = if sign < 0.0 {
+            (min_acceleration, max_acceleration)
+        } else {
+            (max_acceleration, min_acceleration)
+        };
         let cruise = if sign < 0.0 { min_velocity } else { max_velocity };
         let known = [None, Some(raised), None, Some(0.0), Some(0.0), Some(lowered), None];
         for (index, phase) in phases.into_iter().enumerate() {

@@ -88,7 +88,8 @@ impl Upper {
         let held = quadratic(1.0, -0.5 * family.up, vertex);
         let squares = quadratic(0.75, 2.0 * vertex - 0.25 * excess, vertex * vertex);
         let free = squares.into_iter().filter(|square| *square >= 0.0).map(sqrt);
-        let valleys = held.into_iter().chain(free).filter(|valley| (0.0..=goal.acceleration).contains(valley));
+        let valleys =
+            held.into_iter().chain(free).filter(|valley| (0.0..=goal.acceleration).contains(valley));
         let duration = |valley: f64| {
             let last = goal.acceleration - valley;
             let Member { rise, hold, fall, .. } = family.member(last, excess);

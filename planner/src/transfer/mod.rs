@@ -34,9 +34,9 @@ pub use arrivals::{Arrivals, Blocked, MAX_BLOCKED};
 pub(crate) use axis::Within;
 pub use axis::{AxisTransfer, NoSuchDuration};
 pub use bounds::{Bounds, BoundsSpec};
+pub use course::MAX_TRANSIT_PIECES;
 pub use mapped::plan_between;
 pub(crate) use mapped::stop;
-pub use course::MAX_TRANSIT_PIECES;
 pub use transit::Transit;
 
 use crate::State;

@@ -87,7 +87,8 @@ impl Upper {
         let Ends { change, .. } = self.ends;
         let y = largest(0.0, 0.5 * (time - change.acceleration));
         let excess = self.ends.peak_excess();
-        let k = if excess == 0.0 || y == 0.0 { 0.0 } else { excess / y } - 2.0 * self.ends.mean_acceleration();
+        let k =
+            if excess == 0.0 || y == 0.0 { 0.0 } else { excess / y } - 2.0 * self.ends.mean_acceleration();
         // Neither rise is less than nothing.
         let sum = largest(0.0, y + change.acceleration);
         let k = largest(-sum, least(sum, k));

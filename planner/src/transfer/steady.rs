@@ -57,8 +57,10 @@ impl Steady {
 
     /// Of the velocities between which the flanks lead, about the greatest.
     fn fastest(&self) -> f64 {
-        let rise = |side: &Side| side.flank.peak * (side.flank.rise + side.flank.hold + side.flank.peak);
-        self.velocity.abs() + rise(&self.first) + rise(&self.last)
+        let change = |Side { flank: Flank { rise, hold, peak, .. }, .. }: &Side| {
+            rise * rise + peak * (rise.abs() + hold + peak)
+        };
+        self.velocity.abs() + change(&self.first) + change(&self.last)
     }
 }
 
@@ -117,7 +119,10 @@ impl Upper {
                 (Side { sign: 1.0, flank: Flank::of(start, above, up) }, Side { sign: -1.0, flank })
             } else {
                 let flank = Flank::of(start.mirrored(), below(above), down);
-                (Side { sign: -1.0, flank }, Side { sign: 1.0, flank: Flank::of(goal.reversed(), above, down) })
+                (
+                    Side { sign: -1.0, flank },
+                    Side { sign: 1.0, flank: Flank::of(goal.reversed(), above, down) },
+                )
             };
             let left = time - (first.flank.time() + last.flank.time());
             Steady { first, last, velocity: lowest - below(above), time: left }

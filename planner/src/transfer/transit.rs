@@ -84,7 +84,11 @@ impl Transit {
                 goal.position + share * rest
             };
             let start = State { position, velocity: share * velocity, acceleration: share * acceleration };
-            shared.pieces.push(Piece { duration, start: start.with_positive_zeros(), jerk: share * jerk + 0.0 });
+            shared.pieces.push(Piece {
+                duration,
+                start: start.with_positive_zeros(),
+                jerk: share * jerk + 0.0,
+            });
         }
         if let Some(first) = shared.pieces.first_mut() {
             first.start = start;
