@@ -91,6 +91,8 @@
 //!    jerk; [`plan_polynomial`] and [`plan_trigonometric`] are smoother, from rest to rest.
 //!    [`plan_transfer`], [`Transit`]: the fastest motion between any two states, with accelerations at the ends and from
 //!    beyond the limits, which may overshoot and turn back. [`plan_between`]: the same within [`Limits`].
+//!    [`AxisTransfer`], [`Arrivals`]: in a given time, and in which there is no motion. [`together()`]: several axes so, at one time
+//!    or on a straight line.
 //! 5. [`Request`], [`plan()`], [`Plan`], [`Sampler`]: several axes over one time base, read cycle by cycle.
 //! 6. [`PvtPlanner`], [`PvtRequest`], [`plan_pvt`]: position, velocity and time together, a command at a time or point
 //!    after point; [`PvtPolicy`]: what to give up where they cannot all be met.
@@ -108,7 +110,7 @@
 //!
 //! - `std` (default): takes square roots in hardware. Without it the crate needs `alloc` alone, and gives the same bits.
 //!
-//! There is no I/O, no clock and no randomness here, and [`plan_move`], [`plan_transfer`], [`PvtPlanner::command`],
+//! There is no I/O, no clock and no randomness here, and [`plan_move`], [`plan_transfer`], [`together()`] (into a list with room), [`PvtPlanner::command`],
 //! [`Move::at`], [`Cursor::at`] and [`Sampler::columns`] take nothing from the heap.
 #![cfg_attr(not(feature = "std"), no_std)]
 

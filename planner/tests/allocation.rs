@@ -8,9 +8,10 @@ use std::cell::Cell;
 use std::hint::black_box;
 
 use planner::{
-    AxisKind, AxisMoveSpec, AxisProblem, Bounds, Cursor, Family, Limits, LimitsSpec, Problem, PvtPlanner,
-    PvtPolicy, PvtTarget, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Transfer, plan,
-    plan_between, plan_move, plan_polynomial, plan_stop, plan_transfer, plan_trigonometric, plan_velocity,
+    AxisKind, AxisMoveSpec, AxisProblem, AxisTransfer, Bounds, Cursor, Family, Limits, LimitsSpec, Problem, PvtPlanner,
+    PvtPolicy, PvtTarget, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Timing, Transfer,
+    plan, plan_between, plan_move, plan_polynomial, plan_stop, plan_transfer, plan_trigonometric,
+    plan_velocity, together,
 };
 
 thread_local! {
@@ -104,6 +105,29 @@ fn a_transfer_allocates_nothing() {
             black_box(plan_stop(start, &limits)).unwrap();
         });
         assert_eq!(count, 0, "from {velocity}, {acceleration} to {to}");
+    }
+}
+
+/// Several axes at one time and on a line, and durations with a blocked interval, once there is room for the answer.
+#[test]
+fn axes_together_allocate_nothing() {
+    let bounds = Bounds::symmetric(1.0, 1.0, 10.0).unwrap();
+    let limits: Limits = LimitsSpec { max_deceleration: Some(1.0), ..limits() }.try_into().unwrap();
+    let at_speed = State { position: 0.0, velocity: 1.0, acceleration: 0.0 };
+    let fast = Transfer::new(at_speed, State { position: 1.0, ..at_speed }, bounds).unwrap();
+    let asymmetric = AxisTransfer::within_limits(State::at_rest(0.0), State::at_rest(0.4), &limits).unwrap();
+    let mut transits = Vec::with_capacity(3);
+    for (way, how) in
+        [(0.7, Synchronization::Time), (0.1, Synchronization::Time), (0.7, Synchronization::Phase)]
+    {
+        let slow = Transfer::new(State::at_rest(0.0), State::at_rest(way), bounds).unwrap();
+        let third = if how == Synchronization::Time { fast.into() } else { AxisTransfer::from(slow) };
+        let axes = [AxisTransfer::from(slow), asymmetric, third];
+        let count = allocations(|| {
+            black_box(together(black_box(&axes), how, Timing::default(), &mut transits)).unwrap();
+            black_box(third.arrivals()).unwrap();
+        });
+        assert_eq!(count, 0, "{way} {how:?}");
     }
 }
 

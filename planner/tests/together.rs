@@ -6,10 +6,11 @@
 //! ```
 
 #![allow(
+    clippy::float_cmp,
     clippy::unwrap_used,
     clippy::panic,
     clippy::print_stdout,
-    reason = "a test may fail by panicking; this one also reports"
+    reason = "a test may fail by panicking; this one also reports, and compares what is to be the same number"
 )]
 
 mod common;
@@ -19,8 +20,8 @@ use common::axes::{Peer, SEVEN, questions};
 use common::peer;
 use common::states::{Kind, Question};
 use planner::{
-    AxisTransfer, BoundsSpec, CycleTime, State, Synchronization, Timing, Together, Transit, Why, together,
-    transfer_violations,
+    AxisTransfer, BoundsSpec, CycleTime, Limits, LimitsSpec, NoSuchDuration, State, Synchronization, Timing,
+    Together, Transfer, Transit, Why, together, transfer_violations, violations,
 };
 use serde::Deserialize;
 
@@ -105,8 +106,8 @@ fn off_line(asked: &[Question], transits: &[Transit]) -> f64 {
         let gone = |axis: usize| transits[axis].at(t).state.position - asked[axis].start.position;
         for axis in 0..asked.len() {
             let off = gone(axis) - gone(longest) * ways[axis] / ways[longest];
-            let rounding =
-                16.0 * f64::EPSILON * (asked[axis].start.position.abs() + asked[axis].goal.position.abs());
+            let far = |axis: usize| asked[axis].start.position.abs() + asked[axis].goal.position.abs();
+            let rounding = 16.0 * f64::EPSILON * (far(axis) + far(longest));
             worst = worst.max((off.abs() - rounding) / ways[longest].abs());
         }
     }
@@ -285,6 +286,240 @@ fn ends_on_a_cycle() {
             let before = cycle.start_of(cycles - cycles.min(1));
             let each_can = transfers(&asked).iter().all(|axis| axis.lasting(before).is_ok());
             assert!(cycles == 0 || !each_can, "{before} would do: {asked:?}");
+        }
+    }
+}
+
+fn rest(position: f64) -> State {
+    State::at_rest(position)
+}
+
+fn limits(max_acceleration: f64, max_deceleration: f64) -> LimitsSpec {
+    LimitsSpec {
+        max_velocity: 1.0,
+        max_acceleration,
+        max_deceleration: Some(max_deceleration),
+        max_jerk: 20.0,
+        ..LimitsSpec::default()
+    }
+}
+
+/// An axis that comes in fast arrives at once, or passes its goal and comes back. It is critical where the slowest axis is not slow enough.
+#[test]
+fn a_blocked_axis_is_critical() {
+    let bounds = planner::Bounds::symmetric(1.0, 1.0, 10.0).unwrap();
+    let fast = State { position: 0.0, velocity: 1.0, acceleration: 0.0 };
+    let fast = AxisTransfer::from(Transfer::new(fast, State { position: 1.0, ..fast }, bounds).unwrap());
+    let slow = |way: f64| AxisTransfer::from(Transfer::new(rest(0.0), rest(way), bounds).unwrap());
+    let arrivals = fast.arrivals().unwrap();
+    let [blocked] = arrivals.blocked() else { panic!("{arrivals:?}") };
+    assert_eq!(arrivals.least(), 1.0);
+    assert!(blocked.after < 2.0 && 2.0 < blocked.before, "{blocked:?}");
+    let way = (1..400)
+        .map(|step| 0.01 * f64::from(step))
+        .find(|&way| slow(way).fastest().unwrap().duration() > 2.0);
+    let mut transits = Vec::new();
+    let axes = [slow(way.unwrap()), fast];
+    let agreed = together(&axes, Synchronization::Time, Timing::default(), &mut transits).unwrap();
+    assert_eq!((agreed.duration, agreed.critical), (blocked.before, Some(1)));
+    assert_eq!(arrivals.first_from(2.0), blocked.before);
+    let refusal = fast.lasting(2.0).unwrap_err();
+    assert!(matches!(refusal, NoSuchDuration::Blocked { .. }), "{refusal}");
+    let short = fast.lasting(0.5).unwrap_err();
+    assert_eq!(short.to_string(), "nothing arrives in 0.5 s: it takes 1 s at least");
+}
+
+/// An axis that may not go back, and whose goal is passed at speed, arrives early or never.
+#[test]
+fn an_axis_that_cannot_wait() {
+    let bounds =
+        BoundsSpec { min_velocity: 0.0, ..*planner::Bounds::symmetric(1.0, 1.0, 10.0).unwrap().spec() };
+    let bounds = bounds.try_into().unwrap();
+    let at_speed = State { position: 0.0, velocity: 1.0, acceleration: 0.0 };
+    let hasty =
+        AxisTransfer::from(Transfer::new(at_speed, State { position: 0.5, ..at_speed }, bounds).unwrap());
+    let slow = AxisTransfer::from(Transfer::new(rest(0.0), rest(9.0), bounds).unwrap());
+    let refusal =
+        together(&[slow, hasty], Synchronization::Time, Timing::default(), &mut Vec::new()).unwrap_err();
+    assert_eq!(refusal.as_slice()[0].field.as_str(), "axes[1]");
+    assert!(matches!(refusal.as_slice()[0].why, Why::ArrivesEarly { .. }), "{refusal}");
+}
+
+/// Speeding up unlike slowing down: legal, at one time, and on a line.
+#[test]
+fn speeding_up_and_slowing_down() {
+    let mut random = Random(9);
+    let (mut planned, mut blocked) = (0, 0);
+    for _ in 0..3000 {
+        let axes = 2 + random.bits() as usize % 5;
+        let limits: Vec<Limits> = (0..axes)
+            .map(|_| Limits::try_from(limits(random.decades(0.3, 10.0), random.decades(0.3, 10.0))).unwrap())
+            .collect();
+        let asked: Vec<(State, State)> = limits
+            .iter()
+            .map(|limits| {
+                let gentle = 0.9 * limits.acceleration().min(limits.deceleration());
+                let mut any = |most: f64| {
+                    if random.bits().is_multiple_of(3) { 0.0 } else { random.between(-most, most) }
+                };
+                let mut state =
+                    || State { position: any(3.0), velocity: any(0.8), acceleration: any(gentle.min(1.5)) };
+                let mut ends = (state(), state());
+                for end in [&mut ends.0, &mut ends.1] {
+                    end.velocity *= 1.0 - 0.5 * end.acceleration * end.acceleration / 20.0;
+                }
+                ends
+            })
+            .collect();
+        let questions: Vec<AxisTransfer<'_>> = asked
+            .iter()
+            .zip(&limits)
+            .map(|(&(start, goal), limits)| AxisTransfer::within_limits(start, goal, limits).unwrap())
+            .collect();
+        let mut transits = Vec::new();
+        let agreed = together(&questions, Synchronization::Time, Timing::default(), &mut transits).unwrap();
+        let slowest = questions.iter().map(|axis| axis.fastest().unwrap().duration()).fold(0.0, f64::max);
+        assert!(agreed.duration >= slowest);
+        blocked += u32::from(agreed.duration > slowest);
+        for ((transit, limits), (_, goal)) in transits.iter().zip(&limits).zip(&asked) {
+            assert_eq!(
+                violations(&transit.to_profile(), limits, *goal),
+                [],
+                "{asked:?} {limits:?}: {transit:?}"
+            );
+            assert!((transit.duration() - agreed.duration).abs() <= 4.0 * f64::EPSILON * agreed.duration);
+        }
+        planned += 1;
+    }
+    println!("of {planned}, {blocked} with a blocked interval");
+    assert!(blocked > 10);
+}
+
+#[test]
+fn a_line_within_limits() {
+    let mut random = Random(11);
+    for _ in 0..3000 {
+        let axes = 2 + random.bits() as usize % 5;
+        let far = random.bits().is_multiple_of(2);
+        let limits: Vec<Limits> = (0..axes)
+            .map(|_| Limits::try_from(limits(random.decades(0.3, 10.0), random.decades(0.3, 10.0))).unwrap())
+            .collect();
+        let ways: Vec<f64> = (0..axes).map(|_| random.between(-3.0, 3.0)).collect();
+        // Towards the goal: a ramp through zero has the lower of both limits, whose part of the motion hangs on the jerk.
+        let speed = if far { 0.0 } else { random.between(0.0, 0.1) };
+        let asked: Vec<(State, State)> = ways
+            .iter()
+            .map(|way| {
+                let from = if far { random.between(-1e6, 1e6) } else { 0.0 };
+                (State { velocity: speed * way, ..rest(from) }, rest(from + way))
+            })
+            .collect();
+        let questions: Vec<AxisTransfer<'_>> = asked
+            .iter()
+            .zip(&limits)
+            .map(|(&(start, goal), limits)| AxisTransfer::within_limits(start, goal, limits).unwrap())
+            .collect();
+        let mut transits = Vec::new();
+        let agreed = together(&questions, Synchronization::Phase, Timing::default(), &mut transits).unwrap();
+        for ((transit, limits), (_, goal)) in transits.iter().zip(&limits).zip(&asked) {
+            assert_eq!(
+                violations(&transit.to_profile(), limits, *goal),
+                [],
+                "{asked:?} {limits:?}: {transit:?}"
+            );
+            assert_eq!(transit.duration(), agreed.duration);
+        }
+        let slowest = questions.iter().map(|axis| axis.fastest().unwrap().duration()).fold(0.0, f64::max);
+        // Far from zero each axis rounds its way by itself.
+        let rounding = if far { 1e-5 } else { SLACK };
+        assert!(agreed.duration >= slowest * (1.0 - rounding), "{agreed:?}, {slowest}: {asked:?} {limits:?}");
+        let bare: Vec<Question> = asked
+            .iter()
+            .map(|&(start, goal)| Question { start, goal, bounds: BoundsSpec::default() })
+            .collect();
+        let off = off_line(&bare, &transits);
+        assert!(off <= END, "{off:e} off the line: {asked:?}");
+    }
+}
+
+#[test]
+fn what_is_refused() {
+    let within = Limits::try_from(limits(1.0, 1.0)).unwrap();
+    let ranged = Limits::try_from(LimitsSpec {
+        min_position: Some(-0.01),
+        max_position: Some(3.0),
+        ..limits(1.0, 1.0)
+    })
+    .unwrap();
+    let to = |goal: State| AxisTransfer::within_limits(rest(0.0), goal, &within).unwrap();
+    let from = State { velocity: -0.5, ..rest(0.0) };
+    let leaves = AxisTransfer::within_limits(from, rest(1.0), &ranged).unwrap();
+    let refused = |axes: &[AxisTransfer<'_>], how: Synchronization, timing: Timing| {
+        together(axes, how, timing, &mut Vec::new()).unwrap_err().to_string()
+    };
+    let (time, phase) = (Synchronization::Time, Synchronization::Phase);
+    let rows = [
+        (refused(&[], time, Timing::default()), "axes: is empty: give at least one axis"),
+        (
+            refused(&[to(rest(1.0))], time, at_least(Some(-1.0))),
+            "minimum_duration: is -1 s: give a time above 0",
+        ),
+        (
+            refused(&[to(rest(1.0)), leaves], time, Timing::default()),
+            "axes[1]: the motion reaches -0.024583333333333332 at 0.05 s, beyond -0.01: stay inside or move \
+             limits.min_position",
+        ),
+        (
+            refused(&[to(rest(2.0)), to(State { velocity: 0.25, ..rest(1.0) })], phase, Timing::default()),
+            "axes[1].goal.velocity: is 0.25, and the straight line needs 0: give it that, or let the axes arrive together \
+             without a line",
+        ),
+    ];
+    for (given, expected) in rows {
+        assert_eq!(given, expected);
+    }
+}
+
+/// All standing still: nothing, or as long as is asked.
+#[test]
+fn nothing_to_do() {
+    let within = Limits::try_from(limits(1.0, 2.0)).unwrap();
+    let there = AxisTransfer::within_limits(rest(5.0), rest(5.0), &within).unwrap();
+    for how in [Synchronization::None, Synchronization::Time, Synchronization::Phase] {
+        let mut transits = Vec::new();
+        let agreed = together(&[there, there], how, Timing::default(), &mut transits).unwrap();
+        assert_eq!(agreed.duration, 0.0);
+        let agreed = together(&[there, there], how, at_least(Some(2.0)), &mut transits).unwrap();
+        assert_eq!((agreed.duration, agreed.critical), (2.0, None));
+        assert!(
+            transits.iter().all(|transit| transit.at(1.0).state == rest(5.0) && transit.end() == rest(5.0))
+        );
+    }
+}
+
+/// What is told about several axes is told in any unit, seen from the other side and run backwards.
+#[test]
+fn in_any_unit_and_from_either_side() {
+    let mut random = Random(13);
+    for kind in [Kind::Ordinary, Kind::Decades, Kind::Borders, Kind::Outside] {
+        for _ in 0..300 {
+            let mut asked = questions(&mut random, kind, 3);
+            for one in &mut asked {
+                one.goal.position -= one.start.position;
+                one.start.position = 0.0;
+            }
+            let (ours, _) = planned(&asked, Synchronization::Time, Timing::default());
+            let same = |what: &str, other: &[Question], time: f64| {
+                let (other, _) = planned(other, Synchronization::Time, Timing::default());
+                let off = (ours.duration - other.duration / time).abs();
+                assert!(off <= SLACK * ours.duration + NOTHING, "{what}: {ours:?} and {other:?}: {asked:?}");
+            };
+            let (length, time) = (random.decades(1e-6, 1e6), random.decades(1e-6, 1e6));
+            same("scaled", &asked.iter().map(|one| one.scaled(length, time)).collect::<Vec<_>>(), time);
+            same("mirrored", &asked.iter().map(|one| one.mirrored().unwrap()).collect::<Vec<_>>(), 1.0);
+            if kind != Kind::Outside {
+                same("reversed", &asked.iter().map(Question::reversed).collect::<Vec<_>>(), 1.0);
+            }
         }
     }
 }

@@ -174,7 +174,7 @@ fn settle(
     if timing.minimum_duration > agreed.duration {
         agreed = Together { duration: timing.minimum_duration, critical: None };
     }
-    let mut nudge = f64::EPSILON;
+    let mut nudge = FIRST_NUDGE;
     'agreeing: loop {
         if let Some(cycle) = timing.end_on {
             let on_cycle = last_cycle(agreed.duration, cycle)?;
@@ -191,13 +191,13 @@ fn settle(
             } else {
                 let arrivals = axis.arrivals().map_err(of_axis(index))?;
                 let first = arrivals.first_from(given);
-                if first == f64::INFINITY {
+                nudge *= 2.0;
+                if first == f64::INFINITY || nudge > MOST_NUDGED {
                     let greatest = arrivals.blocked().last().map_or(given, |blocked| blocked.after);
                     let why = Why::ArrivesEarly { given, greatest };
                     return Err(InvalidFields::one(Field::element("axes", index), why));
                 }
                 // At a border, which is as exact as its roundings, it may be a little more.
-                nudge *= 2.0;
                 let duration = if first > given { first } else { given * (1.0 + nudge) };
                 agreed = Together { duration, critical: Some(index) };
                 continue 'agreeing;
@@ -206,6 +206,13 @@ fn settle(
         return Ok(agreed);
     }
 }
+
+/// Of a duration \[1\]: what it is raised by where a border of a blocked interval turns out to be inside it by a rounding; then by twice
+/// as much.
+const FIRST_NUDGE: f64 = f64::EPSILON;
+
+/// Of a duration \[1\]: a border is known better than that.
+const MOST_NUDGED: f64 = 1e-6;
 
 /// The end of the last cycle of a motion that lasts `duration` \[s\], but for what is a rounding of the cycle.
 fn last_cycle(duration: f64, cycle: CycleTime) -> Result<f64, InvalidFields> {

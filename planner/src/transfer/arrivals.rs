@@ -3,7 +3,7 @@ use arrayvec::ArrayVec;
 use super::span::Member;
 use super::timed::{SAME_TIME, Timed};
 use super::upper::Upper;
-use crate::float::{largest, least};
+use crate::float::largest;
 use crate::roots::sign_change;
 
 /// The most blocked intervals of one question. Each ends where one of the two families crosses the way to go, or where the gap of the
@@ -85,13 +85,15 @@ impl Timed {
         let mut blocked: ArrayVec<Blocked, MAX_BLOCKED> = ArrayVec::new();
         for (from, to) in failing {
             let after = (from + led) * self.unit;
-            let after = if after <= least_duration * (1.0 + SAME_TIME) { least_duration } else { after };
             let before = (to + led) * self.unit;
+            // Where there is nothing to do, whatever takes as good as no time is none.
+            let rounding = SAME_TIME * if least_duration > 0.0 { least_duration } else { before };
+            let after = if after <= least_duration + rounding { least_duration } else { after };
             match blocked.last_mut() {
                 Some(last) if after <= last.before * (1.0 + SAME_TIME) => {
                     last.before = largest(last.before, before)
                 }
-                _ if before - after > SLIVER * before => {
+                _ if before == f64::INFINITY || before - after > SLIVER * before => {
                     let _ = blocked.try_push(Blocked { after, before });
                 }
                 _ => {}
@@ -177,7 +179,13 @@ fn crossing(family: &Upper, one: Mark, other: Mark) -> f64 {
         return if one.over.abs() < other.over.abs() { one.time } else { other.time };
     };
     // As exactly as the later of both times is known may be little for one far before it.
-    let rounding = 8.0 * f64::EPSILON * other.time;
-    let (from, to) = (largest(one.time, near - rounding), least(other.time, near + rounding));
-    sign_change(from, to, value_and_slope).unwrap_or(near)
+    let (mut near, mut to) = (near, other.time);
+    while near < 0.5 * to {
+        let rounding = 8.0 * f64::EPSILON * to;
+        let from = largest(one.time, near - rounding);
+        to = near + rounding;
+        let Some(nearer) = sign_change(from, to, value_and_slope) else { break };
+        near = nearer;
+    }
+    near
 }

@@ -70,10 +70,12 @@ pub(super) fn lasting(start: State, goal: State, limits: &Limits, duration: f64)
         super::lasting(&transfer, duration)
     };
     let lower = least(up, down);
-    planned(lower, lower).or_else(|| {
-        let both = [(up, down), (down, up)].into_iter().filter(|(up, down)| up != down);
-        both.filter_map(|(up, down)| planned(up, down)).find(|planned| keeps(planned, limits))
-    })
+    let gently = planned(lower, lower);
+    if gently.is_some() || up.to_bits() == down.to_bits() {
+        return gently;
+    }
+    let both = [(up, down), (down, up)].into_iter();
+    both.filter_map(|(up, down)| planned(up, down)).find(|planned| keeps(planned, limits))
 }
 
 /// The question under the lower of both limits of acceleration.

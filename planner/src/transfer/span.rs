@@ -1,7 +1,7 @@
 use super::course::SIGNS;
 use super::ends::{Ends, Phases};
 use super::upper::{Flank, Upper};
-use crate::float::{largest, sqrt};
+use crate::float::{largest, least, sqrt};
 
 /// Of the time in which a family's members pass zero acceleration \[1\]: before it by less is at it.
 const SAME_TIME: f64 = 16.0 * f64::EPSILON;
@@ -81,14 +81,18 @@ impl Upper {
         phases
     }
 
-    /// Neither acceleration is held: see [`Self::free`] for the formula.
+    /// Neither acceleration is held: see [`Self::free`] for the formula. `κ/y = W/y − 2·ā` with `W` the [`Ends::peak_excess`], which is
+    /// exactly zero where the velocity changes under constant jerk and nothing falls.
     fn free_lasting(&self, time: f64) -> Phases {
         let Ends { change, .. } = self.ends;
         let y = largest(0.0, 0.5 * (time - change.acceleration));
-        let skew = change.velocity - self.ends.mean_acceleration() * time;
-        let k = if y > 0.0 { skew / y } else { 0.0 };
-        let sum = y + change.acceleration;
-        [largest(0.0, 0.5 * (sum + k)), 0.0, y, 0.0, 0.0, 0.0, largest(0.0, 0.5 * (sum - k))]
+        let excess = self.ends.peak_excess();
+        let k =
+            if excess == 0.0 || y == 0.0 { 0.0 } else { excess / y } - 2.0 * self.ends.mean_acceleration();
+        // Neither rise is less than nothing.
+        let sum = largest(0.0, y + change.acceleration);
+        let k = largest(-sum, least(sum, k));
+        [0.5 * (sum + k), 0.0, y, 0.0, 0.0, 0.0, 0.5 * (sum - k)]
     }
 
     /// The upper limit is held and the valley free: `A·T = Δv + (r² − f²)/2 + z²`, see [`Self::half_held`].

@@ -57,8 +57,10 @@ impl Steady {
 
     /// Of the velocities between which the flanks lead, about the greatest.
     fn fastest(&self) -> f64 {
-        let rise = |side: &Side| side.flank.peak * (side.flank.rise + side.flank.hold + side.flank.peak);
-        self.velocity.abs() + rise(&self.first) + rise(&self.last)
+        let change = |Side { flank: Flank { rise, hold, peak, .. }, .. }: &Side| {
+            rise * rise + peak * (rise.abs() + hold + peak)
+        };
+        self.velocity.abs() + change(&self.first) + change(&self.last)
     }
 }
 
@@ -129,7 +131,8 @@ impl Upper {
             let steady = at(above);
             (steady.way() - self.way, steady.slope())
         };
-        let above = sign_change(0.0, gap, value_and_slope)?;
+        // Where both ends come to the same velocity there is nothing to choose.
+        let above = if gap > 0.0 { sign_change(0.0, gap, value_and_slope)? } else { 0.0 };
         let steady = at(least(gap, above));
         (steady.time >= 0.0).then(|| steady.settled(self.way))
     }

@@ -36,6 +36,7 @@ pub(super) struct Timed {
 
 /// A motion of a given duration, after the way back into the limits.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "it lives on the stack, for as long as it is laid")]
 pub(super) enum Found {
     Steady(Steady),
     /// A member of a family.
@@ -92,10 +93,9 @@ impl Timed {
                     .or_else(|| self.member(index, time));
             }
         }
-        if feet[0].is_some() && feet[1].is_some() {
-            if let Some(steady) = upper.steady_between(time) {
-                return Some(Found::Steady(steady));
-            }
+        let between = if feet.iter().all(Option::is_some) { upper.steady_between(time) } else { None };
+        if let Some(steady) = between {
+            return Some(Found::Steady(steady));
         }
         let strand = |index: usize, family: &Upper| match &feet[index] {
             Some(foot) if index == 0 => Strand::of_steady(foot),

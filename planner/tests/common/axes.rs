@@ -43,10 +43,15 @@ struct Solver {
     trajectory: Trajectory<0>,
 }
 
-/// As the peer is asked.
-pub(crate) fn input(asked: &[Question]) -> InputParameter<0> {
-    let mut input = InputParameter::new(Some(asked.len()));
-    let all = |part: fn(&Question) -> f64| DataArrayOrVec::Heap(asked.iter().map(part).collect());
+/// As the peer is asked: of a number of axes that it knows beforehand, or, where that is zero, of any.
+pub(crate) fn input<const AXES: usize>(asked: &[Question]) -> InputParameter<AXES> {
+    let mut input = InputParameter::new((AXES == 0).then_some(asked.len()));
+    let all = |part: fn(&Question) -> f64| {
+        if AXES == 0 {
+            return DataArrayOrVec::Heap(asked.iter().map(part).collect());
+        }
+        DataArrayOrVec::Stack(std::array::from_fn(|axis| part(&asked[axis])))
+    };
     input.synchronization = Synchronization::Time;
     input.current_position = all(|asked| asked.start.position);
     input.current_velocity = all(|asked| asked.start.velocity);
@@ -73,7 +78,7 @@ impl Peer {
 
     /// The peer's duration [s]; none where it refuses.
     pub(crate) fn duration(&mut self, asked: &[Question]) -> Option<f64> {
-        let input = input(asked);
+        let input = input::<0>(asked);
         let Solver { ruckig, trajectory } = &mut self.solvers[asked.len()];
         match ruckig.calculate(&input, trajectory) {
             Ok(RuckigResult::Working | RuckigResult::Finished) => Some(trajectory.get_duration()),
