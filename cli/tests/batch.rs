@@ -428,9 +428,10 @@ fn has_a_reason(request: &Value, error: &Value) {
     let policy = &request["shortPathPolicy"];
     let expected = match reason {
         "PATH_TOO_SHORT" => policy == "SHORT_PATH_POLICY_REJECT" && error["metadata"]["nearest"].is_string(),
-        // Against the travel, back on a path too short, several axes at speed: nothing else is left out.
+        // Trapezoids against the travel or back on a path too short, several axes at speed: nothing else is left out.
         "NOT_IMPLEMENTED" => field.ends_with(".velocity"),
         "START_OUTSIDE_LIMITS" | "GOAL_OUTSIDE_LIMITS" => error["metadata"]["needed"].is_string(),
+        "POSITION_LIMIT" => error["metadata"]["needed"].is_string(),
         "TOO_MANY_CYCLES" => field == "axes",
         "FIELD_MISSING" => field.ends_with("max_snap"),
         _ => false,
