@@ -155,7 +155,10 @@ fn rows() -> Vec<Row> {
         ),
         (
             "a start too fast",
-            spoiled(|r| start(r).velocity = 0.3),
+            spoiled(|r| {
+                r.family = pb::ProfileFamily::Trapezoidal as i32;
+                start(r).velocity = 0.3;
+            }),
             FailedPrecondition,
             Reason::StartOutsideLimits,
             "axes[0].start.velocity",
