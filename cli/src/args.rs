@@ -401,7 +401,16 @@ impl From<Kind> for AxisKind {
     }
 }
 
+/// What is said of a distance that --from swallows.
+pub(crate) const LOST_DISTANCE: &str = "--distance is less than the rounding of a position so far away as --from: give a longer one, or begin nearer to 0";
+
 impl MoveFlags {
+    /// Is the distance too short to tell the goal from the start?
+    pub(crate) fn distance_is_lost(&self) -> bool {
+        let (from, distance) = (self.from.unwrap_or(0.0), self.distance.unwrap_or(0.0));
+        self.to.is_none() && distance != 0.0 && from + distance == from
+    }
+
     /// The request that the flags and the law stand for; nothing but clap has checked it.
     pub(crate) fn to_spec(&self, limits: LimitsSpec, law: Law) -> RequestSpec {
         let start_position = self.from.unwrap_or(0.0);

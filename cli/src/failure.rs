@@ -32,6 +32,9 @@ pub(crate) enum Failure {
     /// What is to be compared is counted in different units.
     #[error("the axes are of different kinds, so their units cannot be compared: compare axes of one kind")]
     NotAlike,
+    /// Flags that do not go together, which only their values or the command tell.
+    #[error("{0}")]
+    Usage(String),
     /// No axis can be simulated like this.
     #[error("axis {axis:?} cannot be simulated: {cause}")]
     Simulation { axis: String, cause: sim_axis::InvalidConfig },
@@ -59,6 +62,7 @@ impl Failure {
             | Self::NotAModel { .. }
             | Self::NotPoints { .. }
             | Self::NotAlike
+            | Self::Usage(_)
             | Self::Simulation { .. } => 2,
             // An axis that does not get through to its planner.
             Self::Refused(rejected) if rejected.reason == Reason::PlannerUnreachable => 4,

@@ -17,6 +17,9 @@ pub(crate) use points::{PointTable, cells, number};
 /// The longest line that is taken [bytes]: a request of 64 axes has about 20 kB, one of 10 000 points of six axes 4 MB.
 const LONGEST_LINE: usize = 8 << 20;
 
+/// What some editors begin a file of UTF-8 with.
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+
 /// The request in a file.
 pub(crate) fn request(path: &Path) -> Result<RequestSpec, Failure> {
     let request = proto::from_json::<pb::PlanRequest>(&text(path)?).map_err(not_a("PlanRequest", path))?;
@@ -120,6 +123,9 @@ impl Lines {
         }
         self.number += 1;
         let number = self.number;
+        if number == 1 && bytes.starts_with(BYTE_ORDER_MARK) {
+            bytes.drain(..BYTE_ORDER_MARK.len());
+        }
         if bytes.len() < LONGEST_LINE || bytes.ends_with(b"\n") {
             return Ok(Some(Line { number, text: Text::Bytes(bytes) }));
         }
@@ -187,7 +193,9 @@ impl Line {
 fn text(path: &Path) -> Result<String, Failure> {
     let read =
         if path.as_os_str() == "-" { io::read_to_string(io::stdin()) } else { std::fs::read_to_string(path) };
-    read.map_err(Failure::unreadable(path))
+    let text = read.map_err(Failure::unreadable(path))?;
+    // Some editors begin a file with a mark of its encoding, which is no part of the text.
+    Ok(text.strip_prefix('\u{feff}').map_or_else(|| text.clone(), str::to_owned))
 }
 
 fn not_a(expected: &'static str, path: &Path) -> impl FnOnce(JsonError) -> Failure {

@@ -428,12 +428,67 @@ fn has_a_reason(request: &Value, error: &Value) {
     let policy = &request["shortPathPolicy"];
     let expected = match reason {
         "PATH_TOO_SHORT" => policy == "SHORT_PATH_POLICY_REJECT" && error["metadata"]["nearest"].is_string(),
-        // Against the travel, back on a path too short, several axes at speed: nothing else is left out.
+        // Trapezoids against the travel or back on a path too short, several axes at speed: nothing else is left out.
         "NOT_IMPLEMENTED" => field.ends_with(".velocity"),
         "START_OUTSIDE_LIMITS" | "GOAL_OUTSIDE_LIMITS" => error["metadata"]["needed"].is_string(),
+        "POSITION_LIMIT" => error["metadata"]["needed"].is_string(),
         "TOO_MANY_CYCLES" => field == "axes",
         "FIELD_MISSING" => field.ends_with("max_snap"),
         _ => false,
     };
     assert!(expected, "{request}: {error}");
+}
+
+/// A record of the peer's: one axis from any state to any state, and how long the peer takes.
+#[derive(serde::Deserialize)]
+struct Record {
+    p0: f64,
+    v0: f64,
+    a0: f64,
+    pf: f64,
+    vf: f64,
+    af: f64,
+    vmax: f64,
+    vmin: f64,
+    amax: f64,
+    amin: f64,
+    jmax: f64,
+    duration: Option<f64>,
+}
+
+impl Record {
+    fn request(&self) -> String {
+        let Self { p0, v0, a0, pf, vf, af, vmax, vmin, amax, jmax, .. } = self;
+        json!({
+            "shortPathPolicy": "SHORT_PATH_POLICY_REVERSE",
+            "axes": [{
+                "axis": "x",
+                "kind": "AXIS_KIND_PRISMATIC",
+                "start": {"position": p0, "velocity": v0, "acceleration": a0},
+                "goal": {"position": pf, "velocity": vf, "acceleration": af},
+                "limits": {
+                    "maxVelocity": vmax, "maxVelocityReverse": -vmin, "maxAcceleration": amax, "maxJerk": jmax,
+                },
+            }],
+        })
+        .to_string()
+    }
+}
+
+/// 2286 questions with the durations of Ruckig 0.19.4: all that a limit on acceleration can ask, the same up and down.
+#[test]
+fn states_are_answered_no_later_than_by_the_peer() {
+    let text = include_str!("../../planner/tests/vectors/states.json");
+    let records: Vec<Record> = serde_json::from_str(text).unwrap();
+    let records: Vec<_> = records.into_iter().filter(|record| record.amax == -record.amin).collect();
+    let lines: Vec<_> = records.iter().map(Record::request).collect();
+    let answers = batch(&lines).with(0).lines();
+    assert_eq!((answers.len(), records.len()), (2286, 2286));
+    for (record, answer) in records.iter().zip(answers) {
+        let plan = &answer["plan"];
+        assert_eq!(plan["certificate"]["passed"], json!(true), "{}: {answer}", record.request());
+        let ours = plan["duration"].as_f64().unwrap();
+        let theirs = record.duration.unwrap_or(f64::INFINITY);
+        assert!(ours <= theirs * (1.0 + 1e-9), "{}: {ours} s, and the peer takes {theirs}", record.request());
+    }
 }

@@ -148,7 +148,24 @@ fn colours_are_for_terminals() {
 
 #[test]
 fn exit_codes_tell_why() {
-    let rows: [(&[&str], i32); 15] = [
+    let rows: [(&[&str], i32); 17] = [
+        (&["demo", "--endpoint", "http://127.0.0.1:1"], 2),
+        (
+            &[
+                "plan",
+                "--from",
+                "1e20",
+                "--distance",
+                "1",
+                "--max-velocity",
+                "1",
+                "--max-acceleration",
+                "1",
+                "--max-jerk",
+                "1",
+            ],
+            2,
+        ),
         (&["plan"], 2),
         (&["plan", "--request", "-", "--endpoint", "foo bar"], 2),
         (&["plan", "--request", "-", "--endpoint", "localhost:50051"], 2),
@@ -176,6 +193,22 @@ fn exit_codes_tell_why() {
     portamento(&["plan", "--request", "-"], "{").with(2);
     portamento(&["plan", "--request", "-"], request(f64::MAX).to_string()).with(3);
     portamento(&["plan", "--request", "-"], request(0.05).to_string()).with(0);
+    // With the mark of its encoding that some editors put first.
+    portamento(&["plan", "--request", "-"], format!("\u{feff}{}", request(0.05))).with(0);
+    let batch = portamento(&["plan", "--batch", "-"], format!("\u{feff}{}", request(0.05))).with(0);
+    assert!(batch.lines()[0].get("error").is_none(), "{}", batch.out);
+}
+
+/// From full motion past the goal and back, and from beyond the limits, which the judge says.
+#[test]
+fn any_states_are_shown() {
+    let reverse = ["--short-path", "reverse", "--start-acceleration", "2"];
+    let past = plan(&[&["--distance", "0.01", "--start-velocity", "0.2"], &reverse[..]].concat()).with(0);
+    let beyond = plan(&["--distance", "0.2", "--start-velocity", "0.4", "--end-acceleration=-1"]).with(0);
+    insta::assert_snapshot!("past", unversioned(&past.out));
+    insta::assert_snapshot!("led_back", unversioned(&beyond.out));
+    let refused = plan(&["--distance", "0.2", "--end-acceleration", "4"]).with(3);
+    assert!(refused.err.contains("--end-acceleration: is 4, beyond 3"), "{}", refused.err);
 }
 
 #[test]

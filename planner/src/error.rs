@@ -75,6 +75,18 @@ pub enum Why {
         /// The value \[s\].
         given: f64,
     },
+    /// A least duration that would end before it begins.
+    #[error("is {} s: give the least duration, above 0, or 0 to ask nothing", Shortest(*.given))]
+    NegativeDuration {
+        /// The value \[s\].
+        given: f64,
+    },
+    /// A speed backward with a sign.
+    #[error("is {}: a limit is a magnitude, so leave the sign out; 0 forbids to go back", Shortest(*.given))]
+    NegativeReverse {
+        /// The value.
+        given: f64,
+    },
     /// What a plan says of itself and is not.
     #[error("says {given}, and should say {correct}: correct it, or plan again")]
     Misstated {

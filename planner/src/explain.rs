@@ -76,8 +76,11 @@ fn binding(segment: &Segment, limits: &Limits) -> Option<Quantity> {
         return reaches(peak, limits.jerk()).then_some(Quantity::Jerk);
     }
     let (start, end) = (segment.at(0.0), segment.at(segment.duration));
-    let throughout =
-        |value: fn(&crate::Setpoint) -> f64, limit: f64| at(value(&start), limit) && at(value(&end), limit);
+    let throughout = |value: fn(&crate::Setpoint) -> f64, limit: f64| {
+        let (start, end) = (value(&start), value(&end));
+        // From one limit straight to the other is held by neither.
+        at(start, limit) && at(end, limit) && start * end > 0.0
+    };
     let cruise = limits.cruise_towards(start.state.velocity);
     let slows_down = start.state.acceleration * start.state.velocity < 0.0;
     let hardest = if slows_down { limits.deceleration() } else { limits.acceleration() };

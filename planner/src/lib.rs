@@ -159,7 +159,7 @@ pub use error::{Field, InvalidField, InvalidFields, Why};
 pub use explain::{Binding, Explanation, explain};
 pub use limits::{GREATEST_MAGNITUDE, LEAST_LIMIT, Limits, LimitsSpec, MAX_ORDER};
 pub use passage::Passage;
-pub use plan::{AxisPlan, Maker, Method, Plan, Sampler, plan};
+pub use plan::{AxisPlan, Maker, Method, Plan, Sampler, classified_again, plan};
 pub use polynomial::{PolynomialMove, plan_polynomial};
 pub use problem::Problem;
 pub use profile::{Cursor, Profile};

@@ -184,8 +184,10 @@ impl TryFrom<LimitsSpec> for Limits {
         positive("max_deceleration", *max_deceleration);
         positive("max_snap", *max_snap);
         positive("feed_rate", *feed_rate);
-        for &limit in max_higher_derivatives {
-            positive("max_higher_derivatives", Some(limit));
+        for (index, &limit) in max_higher_derivatives.iter().enumerate() {
+            if let Some(why) = not_positive(limit) {
+                invalid.push(InvalidField::new(Field::element("max_higher_derivatives", index), why));
+            }
         }
         let given = max_higher_derivatives.len();
         if given > MAX_HIGHER {
@@ -216,5 +218,9 @@ pub(crate) fn not_positive(given: f64) -> Option<Why> {
 
 /// What is wrong with a number that must be zero or a positive limit; nothing if it is.
 fn negative(given: f64) -> Option<Why> {
-    if given == 0.0 { None } else { not_positive(given) }
+    match given {
+        0.0 => None,
+        below if below < 0.0 => not_finite(given).or(Some(Why::NegativeReverse { given })),
+        _ => not_positive(given),
+    }
 }

@@ -311,14 +311,6 @@ impl Sampler<'_> {
 /// Those of [`plan_move`], [`plan_between`](crate::plan_between), [`plan_trapezoid`], [`plan_polynomial`] or
 /// [`plan_trigonometric`] for each axis, all at once, with the axis in the path; more cycles than can be counted; a minimum duration above that of the plan.
 pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
-    let mut invalid = InvalidFields::default();
-    let mut axes = Vec::with_capacity(request.axes().len());
-    for (index, axis) in request.axes().iter().enumerate() {
-        axes.extend(invalid.take(&Field::element("axes", index), plan_axis(axis, request)));
-    }
-    if !invalid.is_empty() {
-        return Err(invalid);
-    }
     let method = Method {
         family: request.family(),
         order: request.order(),
@@ -327,6 +319,15 @@ pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
         end_on_cycle: request.end_on_cycle(),
         pvt: None,
     };
+    let mut invalid = InvalidFields::default();
+    let mut axes = Vec::with_capacity(request.axes().len());
+    for (index, axis) in request.axes().iter().enumerate() {
+        let planned = plan_axis(axis, method, request.cycle_time());
+        axes.extend(invalid.take(&Field::element("axes", index), planned));
+    }
+    if !invalid.is_empty() {
+        return Err(invalid);
+    }
     let plan = Plan::new(method, method.promises().to_vec(), request.cycle_time(), axes)?;
     if plan.duration < request.minimum_duration() {
         let field = Field::named("minimum_duration");
@@ -335,10 +336,27 @@ pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
     Ok(plan)
 }
 
-fn plan_axis(axis: &AxisMove, request: &Request) -> Result<AxisPlan, InvalidFields> {
+/// The names of the shape of `axis`, planned again by the method of `plan`; nothing where that gives another motion, of which its names
+/// tell nothing.
+#[must_use]
+pub fn classified_again(plan: &Plan, axis: &AxisPlan) -> Option<Classification> {
+    let method = plan.method();
+    if method.pvt.is_some() {
+        return None;
+    }
+    let AxisPlan { limits, profile, goal, .. } = axis;
+    let start = State { acceleration: 0.0, ..profile.start() };
+    let problem = Problem::new(start, *goal, limits.clone(), method.short_path).ok()?;
+    let (again, _, classification) = plan_along(&problem, method, plan.cycle_time()).ok()?;
+    let near = (again.duration() - profile.duration()).abs() <= crate::LIMIT_TOLERANCE * again.duration();
+    let same = near && again.segments().len() == profile.segments().len();
+    same.then_some(classification)
+}
+
+fn plan_axis(axis: &AxisMove, method: Method, cycle_time: CycleTime) -> Result<AxisPlan, InvalidFields> {
     let AxisMove { axis, kind, problem } = axis;
     let (profile, adjustments, classification) = match problem {
-        AxisProblem::Along(problem) => plan_along(problem, request)?,
+        AxisProblem::Along(problem) => plan_along(problem, method, cycle_time)?,
         AxisProblem::Between(passage) => plan_passage(passage)?,
     };
     Ok(AxisPlan {
@@ -356,11 +374,12 @@ fn plan_axis(axis: &AxisMove, request: &Request) -> Result<AxisPlan, InvalidFiel
 /// A motion, what of it is not as asked, and what its shape is called.
 type Planned = (Profile, Vec<Adjustment>, Classification);
 
-fn plan_along(problem: &Problem, request: &Request) -> Result<Planned, InvalidFields> {
-    let cycle_time = request.end_on_cycle().then_some(request.cycle_time());
-    let (profile, adjustments, mut classification) = match request.family() {
+fn plan_along(problem: &Problem, method: Method, cycle_time: CycleTime) -> Result<Planned, InvalidFields> {
+    let Method { family, order, end_on_cycle, .. } = method;
+    let cycle_time = end_on_cycle.then_some(cycle_time);
+    let (profile, adjustments, mut classification) = match family {
         Family::Polynomial => {
-            let planned = plan_polynomial(problem, request.order())?;
+            let planned = plan_polynomial(problem, order)?;
             (planned.to_profile(), planned.adjustments().to_vec(), planned.classification())
         }
         Family::Trigonometric => laid(&plan_trigonometric(problem)?),
@@ -372,7 +391,7 @@ fn plan_along(problem: &Problem, request: &Request) -> Result<Planned, InvalidFi
         Family::Trapezoidal => laid(&plan_trapezoid(problem)?),
     };
     // The S-curve ends on a cycle already, and with it each of its pieces.
-    let (profile, factor) = match cycle_time.filter(|_| request.family() != Family::SCurve) {
+    let (profile, factor) = match cycle_time.filter(|_| family != Family::SCurve) {
         Some(cycle_time) => grid::slowed(&profile, cycle_time)?,
         None => (profile, 1.0),
     };

@@ -154,7 +154,7 @@ pub(crate) fn within_limits(invalid: &mut InvalidFields, end: &str, state: &Stat
     let too_fast = too_fast(velocity, limits);
     inner.note("velocity", too_fast.map(|(allowed, limit)| outside(end, velocity, allowed, limit)));
     if acceleration != 0.0 {
-        let instead = "begin and end with an acceleration of zero, or choose S_CURVE";
+        let instead = "begin and end with an acceleration of zero, or ask for a move of family S_CURVE";
         let what = "an acceleration at the start or the goal";
         inner.note("acceleration", Some(Why::NotImplemented { what, instead }));
     }

@@ -441,7 +441,7 @@ impl Shape {
 }
 
 fn wrong_duration(given: f64) -> Option<Why> {
-    not_finite(given).or((given < 0.0).then_some(Why::DurationNotPositive { given }))
+    not_finite(given).or((given < 0.0).then_some(Why::NegativeDuration { given }))
 }
 
 fn synchronization_gap(mode: Synchronization, several: bool) -> Option<Why> {

@@ -284,6 +284,11 @@ fn a_path_too_short_is_gone_past_and_back() {
     let rejecting =
         RequestSpec { short_path: Ok(ShortPathPolicy::Reject), ..spec(start, goal, limits(1.0, 2.0, 6.0)) };
     assert!(refused(rejecting).contains("too short"));
+    // Slows down, goes back as hard, and slows down again.
+    let hard = planned("hard", state(0.0, 0.2, 2.0), goal, limits(0.25, 3.0, 100.0));
+    let bound: Vec<_> = hard.explanation().bindings.iter().map(|binding| binding.quantity).collect();
+    use Quantity::{Acceleration, Jerk};
+    assert_eq!(bound, [Jerk, Acceleration, Jerk, Acceleration, Jerk]);
     // Long enough: what the closed form says.
     let names = planned("long", start, State::at_rest(2.0), limits(1.0, 2.0, 6.0));
     assert!(names.plan().axes()[0].classification.eight_type.is_some());

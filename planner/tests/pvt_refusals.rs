@@ -135,7 +135,7 @@ fn points_and_starts_outside_the_limits() {
         PvtAxisSpec { start, ..axis("x", &[1.0], &[0.0], &[0.0]) },
         &[
             "axes[0].start.acceleration: an acceleration at the start or the goal is not implemented: begin and end with \
-             an acceleration of zero",
+             an acceleration of zero, or ask for a move of family S_CURVE",
         ],
     );
 }

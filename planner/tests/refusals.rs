@@ -61,6 +61,14 @@ fn the_words_of_every_reason() {
         (Why::NotFinite { given: 1.5e300 }, "is 1.5e300: give a finite number of at most 1e60 in magnitude"),
         (Why::DurationNotPositive { given: -2e-5 }, "is -2e-5 s: give a time above 0"),
         (
+            Why::NegativeDuration { given: -2.0 },
+            "is -2 s: give the least duration, above 0, or 0 to ask nothing",
+        ),
+        (
+            Why::NegativeReverse { given: -1.0 },
+            "is -1: a limit is a magnitude, so leave the sign out; 0 forbids to go back",
+        ),
+        (
             Why::Misstated { given: "5".into(), correct: "314".into() },
             "says 5, and should say 314: correct it, or plan again",
         ),
@@ -205,7 +213,7 @@ fn everything_that_is_wrong_is_said_at_once() {
              rest, or plan each axis by itself",
             "axes[1].start.velocity: is 3, beyond 1: begin inside the limit or raise limits.max_velocity",
             "axes[1].start.acceleration: an acceleration at the start or the goal is not implemented: begin and end \
-             with an acceleration of zero, or choose S_CURVE",
+             with an acceleration of zero, or ask for a move of family S_CURVE",
             "axes[1].goal.velocity: is 2, beyond 1: end inside the limit or raise limits.max_velocity",
             "axes[2].kind: is not set: choose one of PRISMATIC",
             "axes[2].goal.position: is 2e60: give a finite number of at most 1e60 in magnitude",
@@ -237,7 +245,7 @@ fn every_number_of_a_limit_is_checked() {
         "max_deceleration",
         "max_snap",
         "feed_rate",
-        "max_higher_derivatives",
+        "max_higher_derivatives[0]",
         "max_velocity_reverse",
         "min_position",
         "max_position",
@@ -322,7 +330,10 @@ fn a_minimum_duration_that_asks_something() {
     for more in [1.001 * least, 1e60] {
         check(asked(Some(more)), &[later]);
     }
-    check(asked(Some(-1.0)), &["minimum_duration: is -1 s: give a time above 0"]);
+    check(
+        asked(Some(-1.0)),
+        &["minimum_duration: is -1 s: give the least duration, above 0, or 0 to ask nothing"],
+    );
     let infinite = "minimum_duration: is inf: give a finite number of at most 1e60 in magnitude";
     check(asked(Some(f64::INFINITY)), &[infinite]);
 }

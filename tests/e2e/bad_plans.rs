@@ -155,7 +155,10 @@ fn rows() -> Vec<Row> {
         ),
         (
             "a start too fast",
-            spoiled(|r| start(r).velocity = 0.3),
+            spoiled(|r| {
+                r.family = pb::ProfileFamily::Trapezoidal as i32;
+                start(r).velocity = 0.3;
+            }),
             FailedPrecondition,
             Reason::StartOutsideLimits,
             "axes[0].start.velocity",
@@ -345,6 +348,11 @@ fn tampered(change: impl FnOnce(&mut pb::AxisPlan)) -> pb::Plan {
     plan
 }
 
+/// A plan that calls its shape something else.
+fn named(change: impl FnOnce(&mut pb::Classification)) -> pb::Plan {
+    tampered(|axis| change(axis.classification.as_mut().unwrap()))
+}
+
 fn tampered_plans() -> Vec<(&'static str, pb::Plan)> {
     let jerk = |segment: &mut pb::AxisSegment| {
         if let Some(pb::axis_segment::Law::Jerk(jerk)) = &mut segment.law {
@@ -464,6 +472,34 @@ async fn what_is_not_a_plan_is_refused_with_its_path() {
             },
             Reason::PlanRejected,
             "plan.method.family",
+        ),
+        (
+            "another shape",
+            named(|names| names.eight_type = Some("2".into())),
+            Reason::PlanRejected,
+            "plan.axes[0].classification.eight_type",
+        ),
+        (
+            "another case",
+            named(|names| names.six_case = Some("A".into())),
+            Reason::PlanRejected,
+            "plan.axes[0].classification.six_case",
+        ),
+        (
+            "another speed",
+            named(|names| names.feed_rate = 0.2),
+            Reason::PlanRejected,
+            "plan.axes[0].classification.feed_rate",
+        ),
+        (
+            "a reason that is of another quantity",
+            tampered(|axis| {
+                let quantity = pb::Quantity::Acceleration as i32;
+                let reason = "FEED_RATE_ABOVE_LIMIT".into();
+                axis.adjustments = vec![pb::Adjustment { quantity, reason, ..Default::default() }];
+            }),
+            Reason::PlanRejected,
+            "plan.axes[0].adjustments[0].quantity",
         ),
         (
             "of another",

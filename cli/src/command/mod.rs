@@ -30,6 +30,10 @@ pub(crate) fn run() -> u8 {
     let mut screen = Screen { out: &mut out, notes: &mut notes, paint, notes_paint, json };
     let endpoint = global.endpoint.as_deref();
     let done = match &command {
+        Command::Demo(_) if endpoint.is_some() => Err(Failure::Usage(
+            "demo runs its own server in this process: leave --endpoint out, or use plan and track"
+                .to_owned(),
+        )),
         Command::Demo(args) => demo::run(args, &mut screen),
         Command::Plan(args) => plan::run(args, endpoint, &mut screen),
         Command::Pvt(args) => pvt::run(args, endpoint, &mut screen),

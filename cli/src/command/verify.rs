@@ -1,3 +1,5 @@
+use planner::Field;
+
 use crate::args::VerifyArgs;
 use crate::failure::Failure;
 use crate::service::Service;
@@ -7,7 +9,8 @@ use crate::source;
 
 /// `portamento verify`
 pub(crate) fn run(args: &VerifyArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
-    let (plan, misstated) = source::plan_as_it_is(&args.source.plan)?;
+    let (plan, mut misstated) = source::plan_as_it_is(&args.source.plan)?;
+    misstated.extend_within(&Field::default(), proto::misclassified(&plan));
     let against = args.against.as_deref().map(source::against).transpose()?;
     let certificate = Service::open(endpoint)?.verify(&plan, against.unwrap_or_default())?;
     let honest = misstated.is_empty();

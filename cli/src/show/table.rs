@@ -4,7 +4,7 @@ use std::io;
 
 use planner::{
     Adjustment, AdjustmentReason, AsymmetricType, AxisKind, AxisPlan, Certificate, Classification, EightType,
-    EndCheck, Family, InvalidFields, JoinCheck, Judged, LimitCheck, Method, Plan, PvtInterpolation,
+    EndCheck, Family, InvalidFields, JoinCheck, Judged, Law, LimitCheck, Method, Plan, PvtInterpolation,
     PvtMethod, Quantity, SixCase, Violation,
 };
 
@@ -171,7 +171,11 @@ fn phases(axis: &AxisPlan, digits: i32) -> Table {
         ("acceleration", Quantity::Acceleration, 2),
     ];
     for (name, quantity, word) in begins {
-        let cells = values(&|(_, piece)| piece.at(0.0).words()[word]);
+        let cells = values(&|(_, piece)| match piece.law {
+            // It begins and ends at zero: the peak tells more.
+            Law::CosineJerk { peak } if quantity == Quantity::Jerk => peak,
+            _ => piece.at(0.0).words()[word],
+        });
         table.right(name, &format!("[{}]", unit(axis.kind, quantity)), cells);
     }
     table

@@ -110,6 +110,39 @@ impl Claims {
     }
 }
 
+/// The names of shapes that a plan states and that its motion does not have, found by planning it again. A motion that is not the one
+/// its method gives has no names to compare; of a speed, every motion has its own.
+#[must_use]
+pub fn misclassified(plan: &Plan) -> InvalidFields {
+    let mut invalid = InvalidFields::default();
+    for (index, axis) in plan.axes().iter().enumerate() {
+        let Some(is) = planner::classified_again(plan, axis) else { continue };
+        let said = axis.classification;
+        let mut inner = InvalidFields::default();
+        let name = |name: Option<&'static str>| name.unwrap_or("nothing");
+        let mut compare = |field, said: Option<&'static str>, is: Option<&'static str>| {
+            if said.is_some() {
+                note(&mut inner, field, name(said), name(is));
+            }
+        };
+        compare("eight_type", said.eight_type.map(|t| t.name()), is.eight_type.map(|t| t.name()));
+        compare(
+            "asymmetric_type",
+            said.asymmetric_type.map(|t| t.name()),
+            is.asymmetric_type.map(|t| t.name()),
+        );
+        compare("six_case", said.six_case.map(|c| c.name()), is.six_case.map(|c| c.name()));
+        // Not `>`: NaN is wrong. Unset is 0.
+        let near = (said.feed_rate - is.feed_rate).abs() <= LIMIT_TOLERANCE * is.feed_rate;
+        if said.feed_rate != 0.0 && !near {
+            note(&mut inner, "feed_rate", Shortest(said.feed_rate), Shortest(is.feed_rate));
+        }
+        let outer = Field::named("classification").within(&Field::element("axes", index));
+        invalid.extend_within(&outer, inner);
+    }
+    invalid
+}
+
 /// Notes that `field` says what is not so; nothing where both read the same.
 fn note(invalid: &mut InvalidFields, field: &str, said: impl ToString, is: impl ToString) {
     let (given, correct) = (said.to_string(), is.to_string());

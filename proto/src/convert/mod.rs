@@ -17,6 +17,7 @@ mod request;
 mod state;
 mod stream;
 
+pub use claims::misclassified;
 pub use field::{accepted_in, plan_as_it_is_in, plan_in, within};
 pub use plan::{plan_as_it_is, plan_from_wire, plan_to_wire};
 pub use pvt::{point_to_wire, pvt_from_wire, pvt_to_wire};

@@ -1,7 +1,7 @@
 use planner::{
     Adjustment, AdjustmentReason, AsymmetricType, AxisPlan, Classification, CycleTime, Derivatives,
     EightType, Field, InvalidField, InvalidFields, Judged, Law, Limits, LimitsSpec, Maker, Method, Plan,
-    Profile, PvtMethod, PvtRegion, Segment, SixCase, State, Why,
+    Profile, PvtMethod, PvtRegion, Quantity, Segment, SixCase, State, Why,
 };
 
 use super::choice::{
@@ -315,11 +315,34 @@ pub(super) fn adjustment_from_wire(wire: pb::Adjustment) -> Result<Adjustment, I
     if reason.is_none() {
         invalid.note("reason", Some(Why::UnknownName { given, choices }));
     }
+    if let (Some(given), Some(reason)) = (quantity, reason)
+        && !quantities(reason).contains(&given)
+    {
+        let names: Vec<_> = quantities(reason).iter().map(|one| one.to_string().to_uppercase()).collect();
+        let (given, correct) = (given.to_string().to_uppercase(), names.join(" or "));
+        invalid.note("quantity", Some(Why::Misstated { given, correct }));
+    }
     match (quantity, reason) {
         (Some(quantity), Some(reason)) if invalid.is_empty() => {
             Ok(Adjustment { quantity, asked, planned, reason })
         }
         _ => Err(invalid),
+    }
+}
+
+/// What gives way for a reason.
+fn quantities(reason: AdjustmentReason) -> &'static [Quantity] {
+    use Quantity::{Acceleration, Position, Time, Velocity};
+    match reason {
+        AdjustmentReason::PathTooShortStartVelocity
+        | AdjustmentReason::PathTooShortNearestVelocity
+        | AdjustmentReason::FeedRateAboveLimit
+        | AdjustmentReason::PvtTimeTooShort => &[Velocity],
+        AdjustmentReason::Override => &[Velocity, Acceleration],
+        AdjustmentReason::PvtOutOfReach => &[Position, Velocity],
+        AdjustmentReason::ClosingStop => &[Position, Velocity, Acceleration],
+        AdjustmentReason::PvtTimeExtended | AdjustmentReason::PvtTimeShifted => &[Time],
+        AdjustmentReason::PvtFinishedLate => &[Position, Velocity, Time],
     }
 }
 

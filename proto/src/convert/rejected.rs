@@ -118,7 +118,10 @@ fn reason(why: &Why) -> Reason {
     match why {
         Why::NotFinite { .. } => Reason::NotFinite,
         Why::DurationNotPositive { .. } => Reason::TimesNotIncreasing,
-        Why::NotPositive { .. } | Why::NotNegative { .. } => Reason::LimitNotPositive,
+        Why::NotPositive { .. } | Why::NotNegative { .. } | Why::NegativeReverse { .. } => {
+            Reason::LimitNotPositive
+        }
+        Why::NegativeDuration { .. } => Reason::ValueOutOfRange,
         Why::EmptyRange { .. } => Reason::ValueOutOfRange,
         Why::Missing { .. } | Why::LimitMissing { .. } => Reason::FieldMissing,
         Why::Unspecified { .. } | Why::UnknownChoice { .. } | Why::UnknownName { .. } => {
@@ -201,9 +204,23 @@ fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
         Why::Misstated { given, correct } | Why::FingerprintMismatch { given, correct } => {
             vec![("needed", correct.clone()), ("given", given.clone())]
         }
+        Why::TooManyAxes { given, allowed } | Why::TooManySegments { given, allowed } => {
+            vec![("given", given.to_string()), ("allowed", allowed.to_string())]
+        }
+        Why::OrderUnsupported { given } => {
+            vec![("given", given.to_string()), ("allowed", format!("2 to {}", planner::MAX_ORDER))]
+        }
+        Why::OrderOfFamily { given, order, .. } => {
+            vec![("given", given.to_string()), ("allowed", order.to_string())]
+        }
+        Why::CycleTime { given_ns, min_ns, max_ns } => {
+            vec![("given", format!("{given_ns} ns")), ("allowed", format!("{min_ns} to {max_ns} ns"))]
+        }
         Why::NotFinite { given }
         | Why::NotPositive { given }
         | Why::DurationNotPositive { given }
+        | Why::NegativeDuration { given }
+        | Why::NegativeReverse { given }
         | Why::NotAtRest { given, .. }
         | Why::LastNotAtRest { given } => vec![("given", text(given))],
         // The sentence has all that there is to say.

@@ -40,6 +40,7 @@ fn verify(wire: pb::VerifyPlanRequest) -> Result<pb::VerifyPlanResponse, Rejecte
     };
     if certificate.passed() {
         misstated.into_result(()).map_err(|inner| within("plan", inner))?;
+        proto::misclassified(&plan).into_result(()).map_err(|inner| within("plan", inner))?;
     }
     Ok(pb::VerifyPlanResponse { certificate: Some((&certificate).into()) })
 }
