@@ -331,14 +331,9 @@ async fn a_path_too_short_says_what_would_do() {
 async fn what_later_versions_do_is_said_not_to_be_done() {
     let server = Loopback::start().await;
     let mut setpoints = server.setpoints().await;
-    let statuses = [
-        setpoints.control_stream(pb::ControlStreamRequest::default()).await.unwrap_err(),
-        setpoints.watch_stream(pb::WatchStreamRequest::default()).await.unwrap_err(),
-    ];
-    for status in statuses {
-        assert_eq!(status.code(), Code::Unimplemented);
-        assert_eq!(refused(&status).reason, Reason::NotImplemented);
-    }
+    let status = setpoints.watch_stream(pb::WatchStreamRequest::default()).await.unwrap_err();
+    assert_eq!(status.code(), Code::Unimplemented);
+    assert_eq!(refused(&status).reason, Reason::NotImplemented);
 }
 
 /// A plan in which somebody has changed one number, and taken out what that makes untrue of the whole.

@@ -222,12 +222,20 @@ async fn an_operation_is_refused_and_the_motion_goes_on() {
     let mut axis = Rude::connect(&server).await;
     axis.open(open("x", planned(fifty_millimetres()))).await;
     let digest = axis.hear_until(40).await;
-    let hold = pb::operation::Operation::Hold(pb::Hold {});
-    let operation = pb::Operation { request_id: "h1".into(), operation: Some(hold), ..Default::default() };
-    axis.say(Some(Message::Operation(operation))).await;
-    let Some(Answer::Refusal(refusal)) = axis.hear().await.unwrap() else { panic!("no answer") };
-    assert_eq!(refusal.request_id, "h1");
-    assert_eq!(Rejected::from_bytes(&refusal.status).unwrap().reason, Reason::NotImplemented);
+    let faster = pb::operation::Operation::SetOverride(pb::SetOverride { factor: f64::NAN });
+    let append = pb::operation::Operation::AppendPvt(pb::AppendPvt::default());
+    let rows = [
+        (Some(faster), Reason::OverrideOutOfRange),
+        (Some(append), Reason::NotImplemented),
+        (None, Reason::ProtocolOrder),
+    ];
+    for (operation, reason) in rows {
+        let operation = pb::Operation { request_id: "h1".into(), operation, ..Default::default() };
+        axis.say(Some(Message::Operation(operation))).await;
+        let Some(Answer::Refusal(refusal)) = axis.hear().await.unwrap() else { panic!("no answer") };
+        assert_eq!(refusal.request_id, "h1");
+        assert_eq!(Rejected::from_bytes(&refusal.status).unwrap().reason, reason);
+    }
     axis.report(pb::AxisReport { accepted_cycle: 40, grant_cycle: 50, digest, ..Default::default() }).await;
     axis.hear_until(50).await;
 }

@@ -11,6 +11,7 @@ mod bad_plans;
 mod bad_streams;
 mod families;
 mod large_messages;
+mod operations;
 mod plan_then_stream;
 mod pvt;
 mod rehearsed;

@@ -282,7 +282,7 @@ fn planned_operation(ask: &Ask) -> Planned {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1_000, ..ProptestConfig::default() })]
 
     #[test]
     fn any_script_is_played_as_planned(
@@ -311,6 +311,7 @@ proptest! {
         let rest = rig.session().motion().last_cycle();
         rig.run_to(rest + 30);
 
+        prop_assert!(!matches!(rig.ended, Some(Err(_))), "{:?}", rig.ended);
         // Every operation was answered exactly once.
         let mut answered: Vec<&str> = rig.answers.iter().map(|answer| answer.0.as_str()).collect();
         answered.sort_unstable();

@@ -153,7 +153,7 @@ impl Rig {
     pub fn run_to(&mut self, executed: u64) {
         // A stream that does not go on is to fail a test, not to hang it.
         let deadline = self.now + executed.saturating_sub(self.executed()).min(100_000) + 10_000;
-        while self.executed() < executed && self.ended.is_none() {
+        while self.executed() < executed && !self.is_over() {
             self.tick();
             assert!(self.now < deadline, "stuck at cycle {} of {executed}", self.executed());
         }
@@ -162,10 +162,15 @@ impl Rig {
     /// Cycles until all of `count` operations are answered.
     pub fn run_to_answers(&mut self, count: usize) {
         let deadline = self.now + 100_000;
-        while self.answers.len() + self.commanded.len() < count && self.ended.is_none() {
+        while self.answers.len() + self.commanded.len() < count && !self.is_over() {
             self.tick();
             assert!(self.now < deadline, "{} of {count} answers", self.answers.len());
         }
+    }
+
+    /// Has the session ended, and is all that it said heard?
+    fn is_over(&self) -> bool {
+        self.ended.is_some() && self.to_axis.is_empty()
     }
 
     fn carry(&mut self) {

@@ -63,9 +63,8 @@ impl Branch {
 
     pub(super) fn batch(&mut self, cycles: RangeInclusive<u64>, replaces: bool, last: bool) -> Batch {
         let (first_cycle, last_cycle) = cycles.into_inner();
-        if replaces {
-            self.ledger.forget_after(first_cycle - 1);
-        }
+        // What was sent from there on, as this or as another branch, is replaced, or was not taken.
+        self.ledger.forget_after(first_cycle - 1);
         let before = self.ledger.digest_at(first_cycle - 1, &self.motion);
         let of_plan = self.motion.plan_cycle(first_cycle)..self.motion.plan_cycle(last_cycle) + 1;
         let columns = Columns::of_plan(self.motion.plan(), of_plan);

@@ -257,15 +257,18 @@ impl Session {
 
     /// Sends again what the axis has not taken.
     fn take_refusal(&mut self, report: &Report) -> Result<(), Rejected> {
-        if let Some((first, _)) = self.splice.as_ref().and_then(Splice::sent) {
-            let of_splice = |refused: &proto::stream::Refused| {
-                refused.first_cycle == first && refused.revision == report.revision + 1
-            };
-            // Where its first cycle was executed as it was before, the splice has come to nothing, whatever was said.
-            if report.refused.as_ref().is_some_and(of_splice) || report.executed_cycle >= first {
+        if let Some(splice) = self.splice.as_ref()
+            && let Some((first, _)) = splice.sent()
+        {
+            let is_refused = report.refused.as_ref().is_some_and(|refused| {
+                let of_before = refused.revision == report.revision;
+                splice.is_refused_by(refused) || (of_before && splice.needs_what_was_sent())
+            });
+            // Where its first cycle was executed as it was before, it has come to nothing, whatever was said.
+            if is_refused || report.executed_cycle >= first {
                 self.withdraw(report.accepted_cycle);
             }
-            // Anything else is about a batch that the splice replaces, or that follows on it.
+            // Anything else is about what it replaces, or about what follows on it.
             return Ok(());
         }
         let Some(refused) = report.refused.as_ref() else {
@@ -307,51 +310,54 @@ impl Session {
     }
 
     fn has_batch(&self) -> bool {
-        match self.turn() {
-            Turn::Replace(_) => true,
-            turn => self.credit.has_more(self.last_of(turn)),
+        let sent = self.credit.sent();
+        match self.splice.as_ref().map(|splice| (splice.turn(sent), splice)) {
+            None => self.has_more(),
+            Some((Turn::Before(last), _)) => self.credit.has_more(Some(last)),
+            Some((Turn::Replace(_), _)) => true,
+            Some((Turn::First, splice)) => self.credit.has_more(splice.end_of_first(sent, self.close_at_rest)),
+            Some((Turn::Going, splice)) => self.credit.has_more(splice.branch.end(self.close_at_rest)),
         }
     }
 
-    fn turn(&self) -> Turn {
-        self.splice.as_ref().map_or(Turn::Going, |splice| splice.turn(self.credit.sent()))
-    }
-
-    /// The last cycle that may be sent in this turn, where there is one.
-    fn last_of(&self, turn: Turn) -> Option<u64> {
-        match (turn, &self.splice) {
-            (Turn::Before(last), _) => Some(last),
-            // The stream does not end before the cycle that says so.
-            (Turn::First, Some(splice)) => {
-                splice.branch.end(self.close_at_rest).map(|end| end.max(self.credit.sent() + 1))
-            }
-            (_, Some(splice)) => splice.branch.end(self.close_at_rest),
-            (_, None) => self.adopted.end(self.close_at_rest),
-        }
+    /// May more of the adopted motion be sent?
+    fn has_more(&self) -> bool {
+        self.credit.has_more(self.adopted.end(self.close_at_rest))
     }
 
     fn next_batch(&mut self) -> Option<Batch> {
-        let turn = self.turn();
-        let (sent, executed) = (self.credit.sent(), self.credit.executed());
-        let end = self.last_of(turn);
-        let cycles = match turn {
-            Turn::Replace(first) => first..=sent,
-            Turn::Before(_) | Turn::First | Turn::Going => self.credit.next(self.batch_cycles, end)?,
-        };
-        let branch = match (turn, &mut self.splice) {
-            (Turn::Before(_), _) | (_, None) => &mut self.adopted,
-            (Turn::Going, Some(splice)) => &mut splice.branch,
-            (Turn::Replace(_) | Turn::First, Some(splice)) => {
-                splice.begin(*cycles.start(), executed);
+        let (sent, executed, close_at_rest) = (self.credit.sent(), self.credit.executed(), self.close_at_rest);
+        let (branch, cycles, replaces) = match self.splice.as_mut().map(|splice| (splice.turn(sent), splice)) {
+            None => {
+                let end = self.adopted.end(close_at_rest);
+                (&mut self.adopted, self.credit.next(self.batch_cycles, end)?, false)
+            }
+            Some((Turn::Before(last), _)) => {
+                (&mut self.adopted, self.credit.next(self.batch_cycles, Some(last))?, false)
+            }
+            Some((Turn::Replace(first), splice)) => {
+                splice.begin(first, executed, true);
                 // What was sent before, and not as the last, stays at the axis.
-                splice.branch.raise_floor(sent.max(*cycles.start()));
-                &mut splice.branch
+                splice.branch.raise_floor(sent);
+                (&mut splice.branch, first..=sent, true)
+            }
+            Some((Turn::First, splice)) => {
+                let end = splice.end_of_first(sent, close_at_rest);
+                let cycles = self.credit.next(self.batch_cycles, end)?;
+                splice.begin(*cycles.start(), executed, false);
+                splice.branch.raise_floor(*cycles.start());
+                (&mut splice.branch, cycles, false)
+            }
+            Some((Turn::Going, splice)) => {
+                let end = splice.branch.end(close_at_rest);
+                (&mut splice.branch, self.credit.next(self.batch_cycles, end)?, false)
             }
         };
-        let replaces = matches!(turn, Turn::Replace(_));
-        let last = branch.end(self.close_at_rest) == Some(*cycles.end());
+        let last = branch.end(close_at_rest) == Some(*cycles.end());
         self.pace.sent(*cycles.end(), executed);
-        Some(branch.batch(cycles, replaces, last))
+        let batch = branch.batch(cycles, replaces, last);
+        self.advance();
+        Some(batch)
     }
 
     fn tell(&mut self, kind: StreamEventKind, at_cycle: u64) {

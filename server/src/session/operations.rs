@@ -75,6 +75,10 @@ impl Session {
     fn begins(&self, waiting: &Waiting) -> Option<u64> {
         let &Waiting { not_before, refusals, .. } = waiting;
         let (executed, sent) = (self.credit.executed(), self.credit.sent());
+        // An axis that has not got its lead does not begin, and may not report: what is granted goes first.
+        if self.has_more() {
+            return None;
+        }
         if not_before > executed.saturating_add(self.pace.horizon(refusals)) {
             return None;
         }

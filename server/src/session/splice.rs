@@ -1,5 +1,5 @@
 use planner::motion::Spliced;
-use proto::stream::{Motion, OperationResult, RECENT_RESULTS};
+use proto::stream::{Motion, OperationResult, RECENT_RESULTS, RefusalReason, Refused};
 
 use super::branch::Branch;
 use super::queue::Waiting;
@@ -13,6 +13,7 @@ pub(super) struct Splice {
     begins: Begins,
     /// The first cycle that was sent of it, and the executed cycle at that time.
     sent: Option<(u64, u64)>,
+    replaces: bool,
 }
 
 /// How a splice is sent.
@@ -59,7 +60,7 @@ impl Splice {
         let motion = Motion { under_way, digest_before, recent };
         let branch = if parts { Branch::parting(motion) } else { Branch::renamed(motion, adopted) };
         let begins = if parts || ended { Begins::At(effective_cycle) } else { Begins::Next };
-        Self { waiting, branch, result, begins, sent: None }
+        Self { waiting, branch, result, begins, sent: None, replaces: false }
     }
 
     /// What comes next, after `sent`.
@@ -72,9 +73,30 @@ impl Splice {
         }
     }
 
+    /// The last cycle that may be in its first batch, after `sent`: the stream does not end before the cycle that says so.
+    pub(super) fn end_of_first(&self, sent: u64, close_at_rest: bool) -> Option<u64> {
+        self.branch.end(close_at_rest).map(|end| end.max(sent + 1))
+    }
+
     /// Its first batch is sent.
-    pub(super) fn begin(&mut self, first_cycle: u64, executed: u64) {
+    pub(super) fn begin(&mut self, first_cycle: u64, executed: u64, replaces: bool) {
         self.sent = Some((first_cycle, executed));
+        self.replaces = replaces;
+    }
+
+    /// Is it refused, if a report says so of `refused`?
+    ///
+    /// A batch that follows on one which was refused is refused too, since its revision does not begin there, or for the gap. Such
+    /// a refusal may come when the splice has been planned again, and begins where that batch did.
+    pub(super) fn is_refused_by(&self, refused: &Refused) -> bool {
+        let Some((first, _)) = self.sent else { return false };
+        let follows = matches!(refused.reason, RefusalReason::Revision | RefusalReason::Gap);
+        refused.revision == self.branch.revision() && refused.first_cycle == first && !follows
+    }
+
+    /// Does it begin after all that was sent, and so not at all if the axis has not taken that?
+    pub(super) fn needs_what_was_sent(&self) -> bool {
+        self.sent.is_some() && !self.replaces
     }
 
     /// The first cycle that was sent of it, and the executed cycle at that time; `None` before.
