@@ -406,6 +406,7 @@ pub(crate) const LOST_DISTANCE: &str = "--distance is less than the rounding of 
 
 impl MoveFlags {
     /// Is the distance too short to tell the goal from the start?
+    #[expect(clippy::float_cmp, reason = "a goal of the same bits is the start")]
     pub(crate) fn distance_is_lost(&self) -> bool {
         let (from, distance) = (self.from.unwrap_or(0.0), self.distance.unwrap_or(0.0));
         self.to.is_none() && distance != 0.0 && from + distance == from
