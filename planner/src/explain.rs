@@ -3,6 +3,7 @@ use alloc::vec::Vec;
 
 use crate::float::least;
 use crate::plan::{AxisPlan, Plan};
+use crate::transfer::is_same_time;
 use crate::{Law, Limits, Quantity, Segment};
 
 /// Of a limit \[1\]: this near to it counts as held back by it.
@@ -30,18 +31,27 @@ pub struct Binding {
     pub to_time: f64,
 }
 
-/// Says which limits a plan reaches, when, and which axis takes longest. A plan through points takes as long as they say: no limit
+/// Says which limits a plan reaches, when, and which axis takes longest: of those that arrive together, the one that limits hold back most of
+/// the time. A plan through points takes as long as they say: no limit
 /// holds it back.
 #[must_use]
 pub fn explain(plan: &Plan) -> Explanation {
-    let slowest = plan.axes().iter().fold(None, |slowest: Option<&AxisPlan>, axis| match slowest {
-        Some(other) if other.profile.duration() >= axis.profile.duration() => slowest,
-        _ => Some(axis),
-    });
-    let bindings = match plan.method().pvt {
+    let bindings: Vec<Binding> = match plan.method().pvt {
         Some(_) => Vec::new(),
         None => plan.axes().iter().flat_map(bindings).collect(),
     };
+    let held_back = |axis: &AxisPlan| {
+        let own = bindings.iter().filter(|binding| binding.axis == axis.axis);
+        own.fold(0.0, |sum, binding| sum + (binding.to_time - binding.from_time))
+    };
+    let lasts = |axis: &AxisPlan| axis.profile.duration();
+    let slowest = plan.axes().iter().fold(None, |slowest: Option<&AxisPlan>, axis| match slowest {
+        Some(other) if is_same_time(lasts(other), lasts(axis)) && held_back(other) >= held_back(axis) => {
+            slowest
+        }
+        Some(other) if !is_same_time(lasts(other), lasts(axis)) && lasts(other) > lasts(axis) => slowest,
+        _ => Some(axis),
+    });
     Explanation { critical_axis: slowest.map(|axis| axis.axis.clone()).unwrap_or_default(), bindings }
 }
 

@@ -109,14 +109,19 @@ fn cycles(seconds: f64, cycle_time: CycleTime) -> Option<u64> {
     cycle_time.count(seconds).map(|count| count.max(1))
 }
 
+/// The end of the last cycle of a motion that lasts `seconds` \[s\].
+pub(crate) fn whole(seconds: f64, cycle_time: CycleTime) -> Result<f64, InvalidFields> {
+    let too_many = || InvalidFields::one(Field::default(), Why::TooManyCycles { seconds });
+    cycle_time.count(seconds).map(|count| cycle_time.start_of(count)).ok_or_else(too_many)
+}
+
 /// `profile`, a motion from rest to rest, slowed so that it lasts a whole number of cycles; and by what factor.
 ///
 /// # Errors
 /// [`Why::TooManyCycles`] where they cannot be counted.
 pub fn slowed(profile: &Profile, cycle_time: CycleTime) -> Result<(Profile, f64), InvalidFields> {
     let seconds = profile.duration();
-    let too_many = || InvalidFields::one(Field::default(), Why::TooManyCycles { seconds });
-    let whole = cycle_time.start_of(cycle_time.count(seconds).ok_or_else(too_many)?);
+    let whole = whole(seconds, cycle_time)?;
     if whole == 0.0 {
         return Ok((profile.clone(), 1.0));
     }

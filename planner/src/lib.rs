@@ -116,6 +116,7 @@
 
 extern crate alloc;
 
+mod answer;
 mod certified;
 mod classify;
 mod cosine;
@@ -151,6 +152,7 @@ mod verify;
 mod verify_led_back;
 mod verify_transfer;
 
+pub use answer::{classified_again, plan};
 pub use certified::{Accepted, Judged, JudgedPvt, Rejection};
 pub use classify::{AsymmetricType, Classification, EightType, SixCase};
 pub use cycle::{CycleTime, LAST_CYCLE};
@@ -159,7 +161,7 @@ pub use error::{Field, InvalidField, InvalidFields, Why};
 pub use explain::{Binding, Explanation, explain};
 pub use limits::{GREATEST_MAGNITUDE, LEAST_LIMIT, Limits, LimitsSpec, MAX_ORDER};
 pub use passage::Passage;
-pub use plan::{AxisPlan, Maker, Method, Plan, Sampler, classified_again, plan};
+pub use plan::{AxisPlan, Maker, Method, Plan, Sampler};
 pub use polynomial::{PolynomialMove, plan_polynomial};
 pub use problem::Problem;
 pub use profile::{Cursor, Profile};

@@ -102,7 +102,7 @@ fn slowing_down(limits: &Limits) -> (f64, &'static str) {
 
 /// A refusal that speaks of bounds with signs, in the words of the limits that they came from: where speeding up and slowing
 /// down differ, what remains is a goal that only a ramp through zero leads to, which has the lower of both.
-fn named(refusal: &InvalidFields, limits: &Limits) -> InvalidFields {
+pub(crate) fn named(refusal: &InvalidFields, limits: &Limits) -> InvalidFields {
     let lower = if limits.acceleration() <= limits.deceleration() {
         "limits.max_acceleration"
     } else {
@@ -131,7 +131,7 @@ fn named(refusal: &InvalidFields, limits: &Limits) -> InvalidFields {
 }
 
 /// Where the velocity turns, or a piece ends.
-fn greatest_speed(transit: &Transit) -> f64 {
+pub(crate) fn greatest_speed(transit: &Transit) -> f64 {
     let speeds = transit.segments().into_iter().flat_map(|segment| {
         let speeds: ArrayVec<f64, { crate::MAX_TURNING_POINTS }> =
             segment.turning_points().into_iter().map(|t| segment.at(t).state.velocity.abs()).collect();

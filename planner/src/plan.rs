@@ -2,15 +2,12 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidFields, Why};
-use crate::request::{AxisKind, AxisMove, AxisProblem, Family, Request, Synchronization, Timing, not_timed};
-use crate::solve::{
-    Adjustment, AdjustmentReason, Move, has_to_turn_back, plan_move, plan_stop, plan_trapezoid,
-};
+use crate::request::{AxisKind, Family, Synchronization};
+use crate::solve::{Adjustment, AdjustmentReason, plan_stop};
 use crate::{
-    Classification, Cursor, CycleTime, Limits, Passage, Problem, Profile, PvtInterpolation, PvtMethod,
-    PvtRegion, Quantity, Setpoint, ShortPathPolicy, State,
+    Classification, Cursor, CycleTime, Limits, Profile, PvtInterpolation, PvtMethod, PvtRegion, Quantity,
+    Setpoint, ShortPathPolicy, State,
 };
-use crate::{grid, plan_polynomial, plan_trigonometric};
 
 /// How a plan was made, so that an operation on it can be planned the same way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -303,107 +300,4 @@ impl Sampler<'_> {
     fn time_of(&self, cycle: u64) -> f64 {
         time_of(cycle, self.cycle_count, self.cycle_time)
     }
-}
-
-/// Plans every axis of a request.
-///
-/// # Errors
-/// Those of [`plan_move`], [`plan_between`](crate::plan_between), [`plan_trapezoid`], [`plan_polynomial`] or
-/// [`plan_trigonometric`] for each axis, all at once, with the axis in the path; more cycles than can be counted; a minimum duration above that of the plan.
-pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
-    let method = Method {
-        family: request.family(),
-        order: request.order(),
-        short_path: request.short_path(),
-        synchronization: request.synchronization(),
-        end_on_cycle: request.end_on_cycle(),
-        pvt: None,
-    };
-    let mut invalid = InvalidFields::default();
-    let mut axes = Vec::with_capacity(request.axes().len());
-    for (index, axis) in request.axes().iter().enumerate() {
-        let planned = plan_axis(axis, method, request.cycle_time());
-        axes.extend(invalid.take(&Field::element("axes", index), planned));
-    }
-    if !invalid.is_empty() {
-        return Err(invalid);
-    }
-    let plan = Plan::new(method, method.promises().to_vec(), request.cycle_time(), axes)?;
-    if plan.duration < request.minimum_duration() {
-        let field = Field::named("minimum_duration");
-        return Err(InvalidFields::one(field, not_timed(Timing::NotBefore)));
-    }
-    Ok(plan)
-}
-
-/// The names of the shape of `axis`, planned again by the method of `plan`; nothing where that gives another motion, of which its names
-/// tell nothing.
-#[must_use]
-pub fn classified_again(plan: &Plan, axis: &AxisPlan) -> Option<Classification> {
-    let method = plan.method();
-    if method.pvt.is_some() {
-        return None;
-    }
-    let AxisPlan { limits, profile, goal, .. } = axis;
-    let start = State { acceleration: 0.0, ..profile.start() };
-    let problem = Problem::new(start, *goal, limits.clone(), method.short_path).ok()?;
-    let (again, _, classification) = plan_along(&problem, method, plan.cycle_time()).ok()?;
-    let near = (again.duration() - profile.duration()).abs() <= crate::LIMIT_TOLERANCE * again.duration();
-    let same = near && again.segments().len() == profile.segments().len();
-    same.then_some(classification)
-}
-
-fn plan_axis(axis: &AxisMove, method: Method, cycle_time: CycleTime) -> Result<AxisPlan, InvalidFields> {
-    let AxisMove { axis, kind, problem } = axis;
-    let (profile, adjustments, classification) = match problem {
-        AxisProblem::Along(problem) => plan_along(problem, method, cycle_time)?,
-        AxisProblem::Between(passage) => plan_passage(passage)?,
-    };
-    Ok(AxisPlan {
-        axis: axis.clone(),
-        kind: *kind,
-        limits: problem.limits().clone(),
-        profile,
-        goal: problem.goal(),
-        adjustments,
-        classification,
-        pvt_regions: Vec::new(),
-    })
-}
-
-/// A motion, what of it is not as asked, and what its shape is called.
-type Planned = (Profile, Vec<Adjustment>, Classification);
-
-fn plan_along(problem: &Problem, method: Method, cycle_time: CycleTime) -> Result<Planned, InvalidFields> {
-    let Method { family, order, end_on_cycle, .. } = method;
-    let cycle_time = end_on_cycle.then_some(cycle_time);
-    let (profile, adjustments, mut classification) = match family {
-        Family::Polynomial => {
-            let planned = plan_polynomial(problem, order)?;
-            (planned.to_profile(), planned.adjustments().to_vec(), planned.classification())
-        }
-        Family::Trigonometric => laid(&plan_trigonometric(problem)?),
-        Family::SCurve if has_to_turn_back(problem) => plan_passage(&Passage::of(problem))?,
-        Family::SCurve => match cycle_time {
-            Some(cycle_time) => laid(&grid::plan_move(problem, cycle_time)?),
-            None => laid(&plan_move(problem)?),
-        },
-        Family::Trapezoidal => laid(&plan_trapezoid(problem)?),
-    };
-    // The S-curve ends on a cycle already, and with it each of its pieces.
-    let (profile, factor) = match cycle_time.filter(|_| family != Family::SCurve) {
-        Some(cycle_time) => grid::slowed(&profile, cycle_time)?,
-        None => (profile, 1.0),
-    };
-    classification.feed_rate /= factor;
-    Ok((profile, adjustments, classification))
-}
-
-fn plan_passage(passage: &Passage) -> Result<Planned, InvalidFields> {
-    let (transit, adjustment, classification) = passage.plan()?;
-    Ok((transit.to_profile(), adjustment.into_iter().collect(), classification))
-}
-
-fn laid(planned: &Move) -> Planned {
-    (planned.to_profile(), planned.adjustments().to_vec(), planned.classification())
 }

@@ -268,9 +268,13 @@ impl TryFrom<RequestSpec> for Request {
         let policy = *short_path.as_ref().unwrap_or(&ShortPathPolicy::Reject);
         invalid.note("short_path_policy", short_path.err());
         let mode = *synchronization.as_ref().unwrap_or(&Synchronization::None);
-        invalid.note("synchronization", synchronization.err().or(synchronization_gap(mode, several)));
+        invalid.note(
+            "synchronization",
+            synchronization.err().or(synchronization_gap(mode, several, law.family)),
+        );
         let cycle_time = invalid.take(&Field::default(), CycleTime::from_ns(cycle_time_ns));
-        let axes = checked_axes(&mut invalid, axes, policy, law);
+        let apart = several && mode == Synchronization::None;
+        let axes = checked_axes(&mut invalid, axes, policy, law, apart);
         match cycle_time {
             Some(cycle_time) if invalid.is_empty() => {
                 let Shape { family, .. } = law;
@@ -296,6 +300,7 @@ fn checked_axes(
     specs: Vec<AxisMoveSpec>,
     policy: ShortPathPolicy,
     law: Shape,
+    apart: bool,
 ) -> Vec<AxisMove> {
     let given = specs.len();
     if given == 0 {
@@ -307,11 +312,10 @@ fn checked_axes(
         return Vec::new();
     }
     note_names(invalid, specs.iter().map(|spec| spec.axis.as_str()));
-    let several = given > 1;
     let mut axes = Vec::with_capacity(given);
     for (index, spec) in specs.into_iter().enumerate() {
         let outer = Field::element("axes", index);
-        axes.extend(invalid.take(&outer, checked_axis(spec, policy, several, law)));
+        axes.extend(invalid.take(&outer, checked_axis(spec, policy, apart, law)));
     }
     axes
 }
@@ -345,7 +349,7 @@ pub(crate) fn note_names<'a>(invalid: &mut InvalidFields, names: impl Iterator<I
 fn checked_axis(
     spec: AxisMoveSpec,
     policy: ShortPathPolicy,
-    several: bool,
+    apart: bool,
     law: Shape,
 ) -> Result<AxisMove, InvalidFields> {
     let AxisMoveSpec { axis, kind, start, goal, limits } = spec;
@@ -353,9 +357,10 @@ fn checked_axis(
     let kind = kind.map_err(|why| invalid.note("kind", Some(why))).ok();
     let (start, goal) = law.rested(&mut invalid, start, goal);
     for (field, part) in [("goal.velocity", goal.velocity), ("goal.acceleration", goal.acceleration)] {
-        if several && part != 0.0 {
-            let what = "a goal at speed for one of several axes";
-            let instead = "end every axis at rest, or plan each axis by itself";
+        if apart && part != 0.0 {
+            // Who arrives first would have to wait at speed.
+            let what = "a goal at speed for one of several axes that do not arrive together";
+            let instead = "choose SYNCHRONIZATION_TIME, or end every axis at rest";
             invalid.note(field, Some(Why::NotImplemented { what, instead }));
         }
     }
@@ -416,11 +421,9 @@ impl Shape {
     /// Can the move end on a cycle?
     fn on_cycles(self, problem: &AxisProblem) -> Result<(), InvalidFields> {
         match problem {
-            AxisProblem::Along(problem) => note_speeds(problem),
-            AxisProblem::Between(passage) => {
-                let end = if passage.start().is_at_rest() { "goal" } else { "start" };
-                Err(InvalidFields::one(Field::named(end), not_timed(Timing::EndOnCycle)))
-            }
+            // It can take a little longer; a motion that is slowed as a whole must be at rest at both ends.
+            AxisProblem::Along(problem) if self.family != Family::SCurve => note_speeds(problem),
+            AxisProblem::Along(_) | AxisProblem::Between(_) => Ok(()),
         }
     }
 
@@ -444,35 +447,10 @@ fn wrong_duration(given: f64) -> Option<Why> {
     not_finite(given).or((given < 0.0).then_some(Why::NegativeDuration { given }))
 }
 
-fn synchronization_gap(mode: Synchronization, several: bool) -> Option<Why> {
-    (several && mode != Synchronization::None).then(|| not_timed(Timing::Together))
-}
-
-/// What takes an axis longer than it needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Timing {
-    /// Several axes that arrive together, or keep to a line.
-    Together,
-    /// A duration that is given.
-    NotBefore,
-    /// A whole number of cycles, between any states.
-    EndOnCycle,
-}
-
-/// Motions of a given duration between any states are not planned yet: the one place that says so.
-pub(crate) fn not_timed(timing: Timing) -> Why {
-    let (what, instead) = match timing {
-        Timing::Together => (
-            "synchronization of several axes",
-            "choose SYNCHRONIZATION_NONE: each axis ends by itself and rests",
-        ),
-        Timing::NotBefore => (
-            "a minimum duration above the least that the limits allow",
-            "leave it out: the plan takes the least time",
-        ),
-        Timing::EndOnCycle => {
-            ("ending on a cycle from or to a motion", "leave end_on_cycle out, or begin and end at rest")
-        }
-    };
-    Why::NotImplemented { what, instead }
+/// A straight line of the families from rest to rest is not drawn yet.
+fn synchronization_gap(mode: Synchronization, several: bool, family: Family) -> Option<Why> {
+    let what = "a straight line for several axes of this family";
+    let instead = "choose S_CURVE, or SYNCHRONIZATION_TIME: the axes then arrive together";
+    (several && mode == Synchronization::Phase && family != Family::SCurve)
+        .then_some(Why::NotImplemented { what, instead })
 }

@@ -8,9 +8,9 @@ use std::cell::Cell;
 use std::hint::black_box;
 
 use planner::{
-    AxisKind, AxisMoveSpec, AxisProblem, AxisTransfer, Bounds, Cursor, Family, Limits, LimitsSpec, Problem, PvtPlanner,
-    PvtPolicy, PvtTarget, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Timing, Transfer,
-    plan, plan_between, plan_move, plan_polynomial, plan_stop, plan_transfer, plan_trigonometric,
+    AxisKind, AxisMoveSpec, AxisProblem, AxisTransfer, Bounds, Cursor, Family, Limits, LimitsSpec, Problem,
+    PvtPlanner, PvtPolicy, PvtTarget, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Timing,
+    Transfer, plan, plan_between, plan_move, plan_polynomial, plan_stop, plan_transfer, plan_trigonometric,
     plan_velocity, together,
 };
 

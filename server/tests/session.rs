@@ -367,7 +367,14 @@ fn a_refused_splice_is_planned_again_later_and_after_three_refusals_not() {
         firsts.push(first_cycle);
         let refused = Some(Refused { revision, first_cycle, reason: RefusalReason::TooLate });
         let (executed_cycle, accepted_cycle, grant_cycle) = (executed, 50, executed + 40);
-        stage.send(Report { executed_cycle, accepted_cycle, grant_cycle, digest: old, refused, ..Report::default() });
+        stage.send(Report {
+            executed_cycle,
+            accepted_cycle,
+            grant_cycle,
+            digest: old,
+            refused,
+            ..Report::default()
+        });
     }
     assert_eq!(firsts[0], 33);
     assert!(firsts.windows(2).all(|pair| pair[0] < pair[1]), "{firsts:?}");

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use client::{Error, Setpoints, control};
 use e2e::{Loopback, LoopbackAxis, move_of, open, planned, replay};
-use planner::motion::Operation as Planned;
 use planner::State;
+use planner::motion::Operation as Planned;
 use proto::stream::{Ask, GoalSpec, Open, Operation, OperationResult, Phase};
 use proto::{Digest, Reason, Rejected};
 use sim_axis::{Clock, RemoteAxis, TrackRequest, Tracking};
@@ -110,10 +110,8 @@ async fn others_operate_where_the_stream_is_served() {
     assert_eq!(control(&endpoints, "cell-7/x", &hold).await, Ok(held));
 
     let mut bare = server.setpoints().await;
-    let unsaid = bare.control_stream(proto::pb::ControlStreamRequest {
-        stream: "cell-7/x".into(),
-        operation: None,
-    });
+    let unsaid =
+        bare.control_stream(proto::pb::ControlStreamRequest { stream: "cell-7/x".into(), operation: None });
     let rejected = Rejected::from_status(&unsaid.await.unwrap_err()).unwrap();
     assert_eq!((rejected.reason, rejected.fields[0].field.as_str()), (Reason::FieldMissing, "operation"));
 

@@ -8,6 +8,7 @@ mod line;
 use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidFields, Why};
+use crate::grid;
 use crate::limits::not_finite;
 use crate::transfer::is_same_time;
 use crate::{AxisTransfer, CycleTime, MAX_AXES, Synchronization, Transit};
@@ -177,7 +178,7 @@ fn settle(
     let mut nudge = FIRST_NUDGE;
     'agreeing: loop {
         if let Some(cycle) = timing.end_on {
-            let on_cycle = last_cycle(agreed.duration, cycle)?;
+            let on_cycle = grid::whole(agreed.duration, cycle)?;
             if on_cycle > agreed.duration {
                 agreed = Together { duration: on_cycle, critical: None };
             }
@@ -213,13 +214,6 @@ const FIRST_NUDGE: f64 = f64::EPSILON;
 
 /// Of a duration \[1\]: a border is known better than that.
 const MOST_NUDGED: f64 = 1e-6;
-
-/// The end of the last cycle of a motion that lasts `duration` \[s\], but for what is a rounding of the cycle.
-fn last_cycle(duration: f64, cycle: CycleTime) -> Result<f64, InvalidFields> {
-    let cycles = cycle.count(duration);
-    let too_many = || InvalidFields::one(Field::default(), Why::TooManyCycles { seconds: duration });
-    cycles.map(|cycles| cycle.start_of(cycles)).ok_or_else(too_many)
-}
 
 /// All axes on a straight line.
 fn in_line(
