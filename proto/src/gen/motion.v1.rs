@@ -175,7 +175,7 @@ pub struct AxisPlan {
     /// The pieces in order; each begins where the one before it ends. Empty: the axis stands still, or
     /// passes through at the velocity of the end state, which is that of the start.
     #[prost(message, repeated, tag = "4")]
-    pub segments: ::prost::alloc::vec::Vec<crate::axis_segment::AxisSegment>,
+    pub segments: ::prost::alloc::vec::Vec<crate::piece::AxisSegment>,
     /// The goal as asked.
     #[prost(message, optional, tag = "5")]
     pub goal: ::core::option::Option<AxisState>,
@@ -1751,7 +1751,7 @@ pub struct Motion {
     /// How time runs in base, tau(t) from from_cycle on: position is time in base \[s\], velocity its
     /// rate \[1\]. Empty: not re-timed.
     #[prost(message, repeated, tag = "9")]
-    pub base_time: ::prost::alloc::vec::Vec<crate::axis_segment::AxisSegment>,
+    pub base_time: ::prost::alloc::vec::Vec<crate::piece::AxisSegment>,
     /// The closing stop of a plan that ends at speed begins at this cycle of the stream; appends must
     /// take effect before it. Unset: the plan ends at rest.
     #[prost(uint64, optional, tag = "10")]
@@ -2191,7 +2191,7 @@ impl ::prost::Name for SetpointBatch {
 pub struct StopTail {
     /// The pieces in order, from the batch's last setpoint to rest.
     #[prost(message, repeated, tag = "1")]
-    pub segments: ::prost::alloc::vec::Vec<crate::axis_segment::AxisSegment>,
+    pub segments: ::prost::alloc::vec::Vec<crate::piece::AxisSegment>,
 }
 impl ::prost::Name for StopTail {
     const NAME: &'static str = "StopTail";
