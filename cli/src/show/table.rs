@@ -153,9 +153,9 @@ fn passing(axis: &AxisPlan) -> Option<String> {
 /// A row for each piece.
 fn phases(axis: &AxisPlan, digits: i32) -> Table {
     let pieces: Vec<_> = axis.profile.timed_segments().collect();
-    let all = |of: &dyn Fn(&(f64, &planner::Segment)) -> f64| pieces.iter().map(of).collect::<Vec<_>>();
-    let values = |of: &dyn Fn(&(f64, &planner::Segment)) -> f64| column(&all(of), digits);
-    let times = |of: &dyn Fn(&(f64, &planner::Segment)) -> f64| exact_column(&all(of), digits);
+    let all = |of: &dyn Fn(&(f64, planner::Segment)) -> f64| pieces.iter().map(of).collect::<Vec<_>>();
+    let values = |of: &dyn Fn(&(f64, planner::Segment)) -> f64| column(&all(of), digits);
+    let times = |of: &dyn Fn(&(f64, planner::Segment)) -> f64| exact_column(&all(of), digits);
     let mut table = Table::default();
     table.right("#", "", (1..=pieces.len()).map(|number| number.to_string()).collect());
     table.right("from", "[s]", times(&|(begin, _)| *begin));
