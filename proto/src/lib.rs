@@ -13,6 +13,7 @@ mod convert;
 mod digest;
 mod fingerprint;
 mod json;
+mod piece;
 mod reason;
 mod sampling;
 mod status;
@@ -36,15 +37,18 @@ pub use status::{DOMAIN, FieldViolation, Rejected, code_name, status_json, unrea
 /// The answer to 10 000 points of six axes has 10 to 45 MB: it is to fit, and so are the requests that take its plan back.
 pub const MAX_MESSAGE_BYTES: usize = 64 << 20;
 
-/// The messages and services of package `motion.v1`, as generated.
+/// The messages and services of package `motion.v1`, as generated, but for the pieces of a motion.
 ///
 /// `bytes` fields are `Vec<u8>`: the two there are (a fingerprint, a refused operation's status) are short, and
 /// a `Bytes` would keep the whole receive buffer of its message alive.
 // Generated code keeps the habits of its generator.
 #[allow(clippy::all, missing_docs, unreachable_pub, rustdoc::all)]
 #[rustfmt::skip]
-#[path = "gen/motion.v1.rs"]
-pub mod pb;
+pub mod pb {
+    pub use crate::piece::{AxisSegment, axis_segment};
+
+    include!("gen/motion.v1.rs");
+}
 
 /// The schema as an encoded `google.protobuf.FileDescriptorSet`, imports included and comments left out: for
 /// server reflection, for the JSON mapping, and as the schema inside recordings.

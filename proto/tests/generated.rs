@@ -56,6 +56,8 @@ fn generated() -> Generated {
     tonic_prost_build::configure()
         .out_dir(out.path())
         .emit_rerun_if_changed(false)
+        // Written by hand, since there are so many of them.
+        .extern_path(".motion.v1.AxisSegment", "crate::piece::AxisSegment")
         .compile_fds_with_config(set.clone(), config)
         .unwrap();
     let code = fs::read(out.path().join("motion.v1.rs")).unwrap();

@@ -162,80 +162,6 @@ impl ::prost::Name for PlanResponse {
         "/motion.v1.PlanResponse".into()
     }
 }
-/// One piece of an axis's motion, with its own clock that starts at zero.
-#[derive(Clone, PartialEq, ::prost::Message)]
-pub struct AxisSegment {
-    /// Length in time \[s\], > 0.
-    #[prost(double, tag = "1")]
-    pub duration: f64,
-    /// State at the segment's time 0; the end of the segment before it.
-    #[prost(message, optional, tag = "2")]
-    pub start: ::core::option::Option<AxisState>,
-    /// How the state goes on from there; exactly one of them, and jerk 0 for constant acceleration.
-    #[prost(oneof = "axis_segment::Law", tags = "3, 4, 5")]
-    pub law: ::core::option::Option<axis_segment::Law>,
-}
-/// Nested message and enum types in `AxisSegment`.
-pub mod axis_segment {
-    /// A polynomial given by its derivatives.
-    #[derive(Clone, PartialEq, ::prost::Message)]
-    pub struct Polynomial {
-        /// Jerk, snap, ... at the start of the segment \[u/s^3, u/s^4, ...\]: one to thirteen of them; the last
-        /// one is constant.
-        #[prost(double, repeated, tag = "1")]
-        pub derivatives: ::prost::alloc::vec::Vec<f64>,
-    }
-    impl ::prost::Name for Polynomial {
-        const NAME: &'static str = "Polynomial";
-        const PACKAGE: &'static str = "motion.v1";
-        fn full_name() -> ::prost::alloc::string::String {
-            "motion.v1.AxisSegment.Polynomial".into()
-        }
-        fn type_url() -> ::prost::alloc::string::String {
-            "/motion.v1.AxisSegment.Polynomial".into()
-        }
-    }
-    /// A raised cosine of jerk that begins and ends at zero.
-    #[derive(Clone, Copy, PartialEq, ::prost::Message)]
-    pub struct CosineJerk {
-        /// Jerk in the middle of the segment \[u/s^3\], either sign.
-        #[prost(double, tag = "1")]
-        pub peak_jerk: f64,
-    }
-    impl ::prost::Name for CosineJerk {
-        const NAME: &'static str = "CosineJerk";
-        const PACKAGE: &'static str = "motion.v1";
-        fn full_name() -> ::prost::alloc::string::String {
-            "motion.v1.AxisSegment.CosineJerk".into()
-        }
-        fn type_url() -> ::prost::alloc::string::String {
-            "/motion.v1.AxisSegment.CosineJerk".into()
-        }
-    }
-    /// How the state goes on from there; exactly one of them, and jerk 0 for constant acceleration.
-    #[derive(Clone, PartialEq, ::prost::Oneof)]
-    pub enum Law {
-        /// Constant jerk \[u/s^3\].
-        #[prost(double, tag = "3")]
-        Jerk(f64),
-        /// A polynomial of higher order.
-        #[prost(message, tag = "4")]
-        Polynomial(Polynomial),
-        /// A raised cosine: j(t) = peak_jerk / 2 * (1 - cos(2 pi t / duration)).
-        #[prost(message, tag = "5")]
-        CosineJerk(CosineJerk),
-    }
-}
-impl ::prost::Name for AxisSegment {
-    const NAME: &'static str = "AxisSegment";
-    const PACKAGE: &'static str = "motion.v1";
-    fn full_name() -> ::prost::alloc::string::String {
-        "motion.v1.AxisSegment".into()
-    }
-    fn type_url() -> ::prost::alloc::string::String {
-        "/motion.v1.AxisSegment".into()
-    }
-}
 /// The motion of one axis.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct AxisPlan {
@@ -251,7 +177,7 @@ pub struct AxisPlan {
     /// The pieces in order; each begins where the one before it ends. Empty: the axis stands still, or
     /// passes through at the velocity of the end state, which is that of the start.
     #[prost(message, repeated, tag = "4")]
-    pub segments: ::prost::alloc::vec::Vec<AxisSegment>,
+    pub segments: ::prost::alloc::vec::Vec<crate::piece::AxisSegment>,
     /// The goal as asked.
     #[prost(message, optional, tag = "5")]
     pub goal: ::core::option::Option<AxisState>,
@@ -1835,7 +1761,7 @@ pub struct Motion {
     /// How time runs in base, tau(t) from from_cycle on: position is time in base \[s\], velocity its
     /// rate \[1\]. Empty: not re-timed.
     #[prost(message, repeated, tag = "9")]
-    pub base_time: ::prost::alloc::vec::Vec<AxisSegment>,
+    pub base_time: ::prost::alloc::vec::Vec<crate::piece::AxisSegment>,
     /// The closing stop of a plan that ends at speed begins at this cycle of the stream; appends must
     /// take effect before it. Unset: the plan ends at rest.
     #[prost(uint64, optional, tag = "10")]
@@ -2275,7 +2201,7 @@ impl ::prost::Name for SetpointBatch {
 pub struct StopTail {
     /// The pieces in order, from the batch's last setpoint to rest.
     #[prost(message, repeated, tag = "1")]
-    pub segments: ::prost::alloc::vec::Vec<AxisSegment>,
+    pub segments: ::prost::alloc::vec::Vec<crate::piece::AxisSegment>,
 }
 impl ::prost::Name for StopTail {
     const NAME: &'static str = "StopTail";
