@@ -154,6 +154,14 @@ fn the_words_of_every_reason() {
             "the path of 1 is too short to change from the start to the end velocity, which needs 2: lengthen it, end \
              at a velocity of 0.5, or name a short_path_policy",
         ),
+        (
+            Why::OffTheLine { given: 0.25, needed: 0.5 },
+            "is 0.25, and the straight line needs 0.5: give it that, or let the axes arrive together without a line",
+        ),
+        (
+            Why::ArrivesEarly { given: 3.0, greatest: 2.0 },
+            "takes at most 2 s, and the motion lasts 3 s: allow it to go back, or let it arrive by itself",
+        ),
     ];
     for (why, text) in rows {
         assert_eq!(why.to_string(), text);

@@ -186,7 +186,7 @@ fn settle(
         for (index, (axis, transit)) in (first_number..).zip(axes.iter().zip(transits.iter_mut())) {
             let given = agreed.duration;
             if is_same_time(given, transit.duration()) {
-                *transit = transit.clone().lasting(given);
+                transit.last(given);
             } else if let Some(planned) = axis.planned_in(given) {
                 *transit = planned;
             } else {

@@ -76,7 +76,7 @@ impl Timed {
     pub(super) fn arrivals(&self, least_duration: f64) -> Arrivals {
         // What takes less than the fastest change of velocity counts where the least duration is that of other limits.
         let mut failing: Intervals =
-            [(f64::NEG_INFINITY, self.change)].into_iter().chain(self.gap()).collect();
+            [(f64::NEG_INFINITY, self.change())].into_iter().chain(self.gap()).collect();
         for family in &self.families {
             self.shortfalls(family, &mut failing);
         }
@@ -123,7 +123,7 @@ impl Timed {
             }
         }
         // Then the family cruises.
-        let last = mark(marks.last().copied().unwrap_or(self.change));
+        let last = mark(marks.last().copied().unwrap_or_else(|| self.change()));
         if since.is_some() || is_short(&last) {
             let begin = since.unwrap_or(last.time);
             let end = if family.top > 0.0 {
@@ -137,7 +137,7 @@ impl Timed {
 
     /// The times between which the way of a family is monotone, from the fastest change of velocity to where it begins to cruise.
     fn marks(&self, family: &Upper) -> ArrayVec<f64, 10> {
-        let (from, cruises) = (self.change, family.summit_at(family.room()).time());
+        let (from, cruises) = (self.change(), family.summit_at(family.room()).time());
         let passes = family.passes_zero_from();
         let mut marks: ArrayVec<f64, 10> = ArrayVec::new();
         let inside = |time: &f64| *time > from && *time < cruises;

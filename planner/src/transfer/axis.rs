@@ -137,7 +137,9 @@ impl<'a> AxisTransfer<'a> {
         let fastest = self.quickest()?;
         let least = fastest.duration();
         if is_same_time(duration, least) {
-            return Ok(self.in_range(fastest.lasting(duration))?);
+            let mut planned = fastest;
+            planned.last(duration);
+            return Ok(self.in_range(planned)?);
         }
         if duration < least {
             return Err(NoSuchDuration::TooShort { given: duration, least });

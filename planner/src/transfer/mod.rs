@@ -185,7 +185,9 @@ fn transit_of(transfer: &Transfer, names: &Names) -> Result<Transit, InvalidFiel
 /// The motion that takes `duration` \[s\]; none where there is none.
 fn lasting(transfer: &Transfer, duration: f64) -> Option<Transit> {
     let course = Timed::of(transfer).course(transfer, duration)?;
-    Some(Transit::lay(transfer.start, transfer.goal, &course).lasting(duration))
+    let mut transit = Transit::lay(transfer.start, transfer.goal, &course);
+    transit.last(duration);
+    Some(transit)
 }
 
 /// The goal lies behind: what can be reached is where the axis can come to a stop.

@@ -28,8 +28,7 @@ pub(super) struct Timed {
     pub(super) lead: LeadIn,
     /// The family that goes farthest, and the mirror image of the one that goes least far; both with the way to go.
     pub(super) families: [Upper; 2],
-    /// How long the fastest change of velocity takes.
-    pub(super) change: f64,
+    confines: Confines,
     /// The time unit \[s\].
     pub(super) unit: f64,
 }
@@ -53,8 +52,12 @@ impl Timed {
         let ends = scaled.ends_after(&lead);
         let Confines { bottom, top, up, down } = confines;
         let upper = Upper { ends, up, down, top, way: way - lead.way, slack };
-        let change = Change::of(ends, confines).shape.duration();
-        Self { families: [upper, upper.mirrored(bottom)], change, lead, unit }
+        Self { families: [upper, upper.mirrored(bottom)], confines, lead, unit }
+    }
+
+    /// How long the fastest change of velocity takes.
+    pub(super) fn change(&self) -> f64 {
+        Change::of(self.families[0].ends, self.confines).shape.duration()
     }
 
     /// How long the way back into the limits lasts.
@@ -78,13 +81,14 @@ impl Timed {
     }
 
     fn lasting(&self, time: f64) -> Option<Found> {
-        // Also false for NaN.
-        let long_enough = time >= self.change * (1.0 - SAME_TIME);
-        if !long_enough || self.in_gap(time) {
-            return None;
-        }
         let [upper, lower] = &self.families;
         let feet = self.families.map(|family| family.steady_at_foot(time));
+        // A steady motion comes after both. Also false for NaN.
+        let changes = feet.iter().any(Option::is_some)
+            || (time >= self.change() * (1.0 - SAME_TIME) && !self.in_gap(time));
+        if !changes {
+            return None;
+        }
         for (index, family) in self.families.iter().enumerate() {
             if let Some(foot) = feet[index].filter(|foot| foot.way() <= family.way) {
                 let found = family.steady_above(foot, time);

@@ -60,15 +60,14 @@ impl Transit {
         }
     }
 
-    /// The same motion, lasting `duration` \[s\], of which it is some roundings short or long.
-    pub(crate) fn lasting(mut self, duration: f64) -> Self {
+    /// Makes it last `duration` \[s\], of which it is some roundings short or long.
+    pub(crate) fn last(&mut self, duration: f64) {
         let mut durations: ArrayVec<f64, MAX_TRANSIT_PIECES> =
             self.pieces.iter().map(|piece| piece.duration).collect();
         add_up(&mut durations, duration);
         for (piece, duration) in self.pieces.iter_mut().zip(durations) {
             piece.duration = duration;
         }
-        self
     }
 
     /// The share of it that an axis moves that goes from `start` to `goal`. The motion begins at zero; each piece is placed from the end
