@@ -297,14 +297,10 @@ impl Buffer {
     /// Are the cycles at `new` finite, does each join the one before it, and do they have the digest that is claimed?
     ///
     /// Where a revision begins, its first cycle still belongs to the motion before it: it is the end of the last cycle of that.
-    fn check_new(
-        &self,
-        batch: &Batch,
-        new: std::ops::Range<u64>,
-        begins: bool,
-    ) -> Result<(), RefusalReason> {
+    fn check_new(&self, batch: &Batch, new: std::ops::Range<u64>, begins: bool) -> Result<(), RefusalReason> {
         let adopted = &self.adopted.rules;
-        let announced = self.announced.as_ref().filter(|_| begins).map_or(adopted, |revision| &revision.rules);
+        let announced =
+            self.announced.as_ref().filter(|_| begins).map_or(adopted, |revision| &revision.rules);
         let mut digest = self.digests[self.slot(batch.first_cycle + new.start - 1)];
         for index in new.clone() {
             let cycle = batch.first_cycle + index;

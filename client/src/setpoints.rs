@@ -1,7 +1,8 @@
 use planner::Setpoint;
 use proto::Rejected;
 use proto::stream::{
-    Batch, FromAxis, Motion, Open, Operation, OperationRefusal, OperationResult, Refused, StreamEvent, StreamEventKind, ToAxis,
+    Batch, FromAxis, Motion, Open, Operation, OperationRefusal, OperationResult, Refused, StreamEvent,
+    StreamEventKind, ToAxis,
 };
 
 use crate::{Buffer, Client, Error, Link, Playing, Reports, Revision, Standing};

@@ -123,7 +123,8 @@ fn not_here(stream: &str) -> Rejected {
 }
 
 fn overloaded(stream: &str) -> Rejected {
-    let text = format!("{COMMANDS} commands wait for stream {stream:?}, as many as may: ask again in a moment");
+    let text =
+        format!("{COMMANDS} commands wait for stream {stream:?}, as many as may: ask again in a moment");
     Rejected::new(Reason::Overloaded, text).with("allowed", COMMANDS)
 }
 

@@ -67,8 +67,15 @@ struct Stage {
 impl Stage {
     fn new(open: Open) -> Self {
         let session = Session::open(open, "test").unwrap();
-        let mut stage =
-            Self { session, batches: vec![], events: vec![], opened: 0, revised: vec![], answers: vec![], ended: None };
+        let mut stage = Self {
+            session,
+            batches: vec![],
+            events: vec![],
+            opened: 0,
+            revised: vec![],
+            answers: vec![],
+            ended: None,
+        };
         stage.drain();
         stage
     }
@@ -330,7 +337,13 @@ fn a_splice_replaces_what_was_sent_and_is_answered_when_it_is_adopted() {
     assert_eq!(stage.answers, []);
     // Reports from before it are of the motion before it.
     let before = stage.batches.iter().find(|batch| batch.last_cycle() == 50).unwrap().digest;
-    stage.send(Report { executed_cycle: 12, accepted_cycle: 50, grant_cycle: 52, digest: before, ..Report::default() });
+    stage.send(Report {
+        executed_cycle: 12,
+        accepted_cycle: 50,
+        grant_cycle: 52,
+        digest: before,
+        ..Report::default()
+    });
     assert_eq!(stage.answers, []);
     assert_eq!(stage.batches.last().unwrap().revision, 1);
     stage.adopt(13);
@@ -354,7 +367,14 @@ fn a_refused_splice_is_planned_again_later_and_after_three_refusals_not() {
         firsts.push(first_cycle);
         let refused = Some(Refused { revision, first_cycle, reason: RefusalReason::TooLate });
         let (executed_cycle, accepted_cycle, grant_cycle) = (executed, 50, executed + 40);
-        stage.send(Report { executed_cycle, accepted_cycle, grant_cycle, digest: old, refused, ..Report::default() });
+        stage.send(Report {
+            executed_cycle,
+            accepted_cycle,
+            grant_cycle,
+            digest: old,
+            refused,
+            ..Report::default()
+        });
     }
     assert_eq!(firsts[0], 33);
     assert!(firsts.windows(2).all(|pair| pair[0] < pair[1]), "{firsts:?}");
@@ -374,7 +394,13 @@ fn a_splice_that_a_report_passes_over_is_planned_again() {
     stage.ask("h1", Ask::Hold);
     let first = stage.batches.last().unwrap().first_cycle;
     // It never arrived.
-    stage.send(Report { executed_cycle: first, accepted_cycle: 50, grant_cycle: 80, digest: old, ..Report::default() });
+    stage.send(Report {
+        executed_cycle: first,
+        accepted_cycle: 50,
+        grant_cycle: 80,
+        digest: old,
+        ..Report::default()
+    });
     let again = stage.batches.iter().rev().find(|batch| batch.revision == 1).unwrap();
     assert!(again.first_cycle > first && stage.ended.is_none());
 }

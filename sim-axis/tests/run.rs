@@ -7,9 +7,7 @@ use std::time::{Duration, Instant};
 use planner::{Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, State};
 use proto::pb;
 use proto::pb::setpoint_service_server::{SetpointService, SetpointServiceServer};
-use proto::stream::{
-    Batch, Columns, FromAxis, Motion, Open, Opened, StreamEvent, StreamEventKind, ToAxis,
-};
+use proto::stream::{Batch, Columns, FromAxis, Motion, Open, Opened, StreamEvent, StreamEventKind, ToAxis};
 use proto::{Digest, Reason, Rejected};
 use sim_axis::{AxisModel, Clock, Samples, TrackError, TrackRequest, Tracking, Update, track};
 use tokio::sync::mpsc;

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use client::{Error, Setpoints, control};
 use e2e::{Loopback, LoopbackAxis, move_of, open, planned, replay};
-use planner::motion::Operation as Planned;
 use planner::State;
+use planner::motion::Operation as Planned;
 use proto::stream::{Ask, GoalSpec, Open, Operation, OperationResult, Phase};
 use proto::{Digest, Reason, Rejected};
 use sim_axis::{Clock, RemoteAxis, TrackRequest, Tracking};
@@ -110,10 +110,8 @@ async fn others_operate_where_the_stream_is_served() {
     assert_eq!(control(&endpoints, "cell-7/x", &hold).await, Ok(held));
 
     let mut bare = server.setpoints().await;
-    let unsaid = bare.control_stream(proto::pb::ControlStreamRequest {
-        stream: "cell-7/x".into(),
-        operation: None,
-    });
+    let unsaid =
+        bare.control_stream(proto::pb::ControlStreamRequest { stream: "cell-7/x".into(), operation: None });
     let rejected = Rejected::from_status(&unsaid.await.unwrap_err()).unwrap();
     assert_eq!((rejected.reason, rejected.fields[0].field.as_str()), (Reason::FieldMissing, "operation"));
 
@@ -221,7 +219,8 @@ async fn reaction_takes_a_few_cycles() {
             remote.command(&name, Operation::now(id, ask)).await.unwrap();
             answered.push(asked.elapsed().as_secs_f64() * 1e3);
             // A commander asks when it likes, not when a report has just come.
-            let until = tokio::time::Instant::now() + Duration::from_micros(20_000 + 370 * u64::from(step % 27));
+            let until =
+                tokio::time::Instant::now() + Duration::from_micros(20_000 + 370 * u64::from(step % 27));
             let mut next = tokio::time::interval_at(until, Duration::from_secs(1));
             next.tick().await;
         }

@@ -44,7 +44,10 @@ fn assert_smooth(rig: &Rig, limits: &LimitsSpec) {
             let dp = (q.position - p.position - 0.5 * t * (p.velocity + q.velocity)).abs();
             assert!(da <= jerk * t + scale, "acceleration jumps in cycle {cycle}: {before:?} {next:?}");
             assert!(dv <= jerk * t * t / 4.0 + scale, "velocity jumps in cycle {cycle}: {before:?} {next:?}");
-            assert!(dp <= jerk * t * t * t / 12.0 + scale, "position jumps in cycle {cycle}: {before:?} {next:?}");
+            assert!(
+                dp <= jerk * t * t * t / 12.0 + scale,
+                "position jumps in cycle {cycle}: {before:?} {next:?}"
+            );
             assert!(q.velocity.abs() <= limits.max_velocity * (1.0 + 1e-9));
             assert!(q.acceleration.abs() <= limits.max_acceleration * (1.0 + 1e-9));
         }
@@ -79,7 +82,10 @@ fn a_hold_comes_to_rest_and_is_resumed() {
     assert_eq!((resumed.revision, resumed.rest_cycle), (2, rig.executed()));
     assert_eq!(last(&rig).words(), [0.05, 0.0, 0.0, 0.0]);
     assert_smooth(&rig, &limits());
-    assert_replays(&rig, &[(held.effective_cycle, Planned::Hold), (resumed.effective_cycle, Planned::Resume)]);
+    assert_replays(
+        &rig,
+        &[(held.effective_cycle, Planned::Hold), (resumed.effective_cycle, Planned::Resume)],
+    );
     assert_eq!(rig.buffer().counters().underruns, 0);
     assert_eq!(rig.buffer().counters().refused_batches, 0);
 }
@@ -176,7 +182,11 @@ fn what_cannot_be_done_is_refused_and_the_stream_goes_on_unharmed() {
         (Some(Ask::Override(1e9)), Reason::OverrideOutOfRange, "set_override.factor"),
         (Some(goal(0.2)), Reason::GoalOutsideLimits, "retarget.goals[0].goal.position"),
         (Some(goal(f64::INFINITY)), Reason::NotFinite, "retarget.goals[0].goal.position"),
-        (Some(Ask::Retarget(vec![bad_limits])), Reason::LimitNotPositive, "retarget.goals[0].limits.max_jerk"),
+        (
+            Some(Ask::Retarget(vec![bad_limits])),
+            Reason::LimitNotPositive,
+            "retarget.goals[0].limits.max_jerk",
+        ),
         (Some(Ask::Retarget(vec![unknown])), Reason::UnknownAxis, "retarget.goals[0].axis"),
         (Some(Ask::AppendPvt), Reason::NotImplemented, "append_pvt"),
         (None, Reason::ProtocolOrder, ""),

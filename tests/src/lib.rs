@@ -18,9 +18,9 @@ use planner::{
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::Open;
+pub use rig::{Answer, Delays, Rig, difference, replay};
 use server::{Config, Server};
 use sim_axis::SimAxis;
-pub use rig::{Answer, Delays, Rig, difference, replay};
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 use tonic::transport::{Channel, Endpoint};

@@ -73,7 +73,8 @@ impl Rig {
         let plan = open.plan.plan().clone();
         let setpoints: Vec<Setpoint> = plan.sampler().at(0).collect();
         let session = Session::open(open, "rig").expect("a stream");
-        let standing = Standing { epoch, lead_cycles, axis_guard, plan: session.motion().plan(), setpoints: &setpoints };
+        let standing =
+            Standing { epoch, lead_cycles, axis_guard, plan: session.motion().plan(), setpoints: &setpoints };
         let mut buffer = Buffer::new(&standing);
         buffer.motion_ends_at(session.motion().last_cycle());
         Self {

@@ -71,7 +71,8 @@ fn axis(screen: &mut Screen<'_>, card: &ReportCard, kind: AxisKind) -> io::Resul
 }
 
 fn stream_report(screen: &mut Screen<'_>, plan: &Plan, stream: &StreamReport) -> io::Result<()> {
-    let StreamReport { cycles_executed, counters, failovers, revisions, jitter, digest, stop_tail_used } = stream;
+    let StreamReport { cycles_executed, counters, failovers, revisions, jitter, digest, stop_tail_used } =
+        stream;
     // What is planned on the way has another length than what was planned at first.
     let executed = match revisions {
         0 => format!("{cycles_executed} of {}", plan.cycle_count()),

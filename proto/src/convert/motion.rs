@@ -71,7 +71,9 @@ fn spliced_in(field: &str, wire: Option<pb::Plan>) -> Result<Accepted, Rejected>
     let plan = accepted(field, plan)?;
     let jumps = jumps_into_its_start(plan.plan());
     let mut wrong = InvalidFields::default();
-    for invalid in misstated.as_slice().iter().filter(|invalid| !(jumps && invalid.field.as_str() == "guaranteed")) {
+    for invalid in
+        misstated.as_slice().iter().filter(|invalid| !(jumps && invalid.field.as_str() == "guaranteed"))
+    {
         wrong.push(invalid.clone());
     }
     wrong.into_result(plan).map_err(|inner| within(field, inner))

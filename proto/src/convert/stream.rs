@@ -8,8 +8,8 @@ use super::motion::{motion_from_wire, motion_to_wire};
 use super::{accepted_in, plan_to_wire};
 use crate::stream::{
     BATCH_CYCLES, Batch, Columns, Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES,
-    FromAxis, LEAD_CYCLES, Open, Opened, OperationRefusal, RefusalReason, Refused, Report,
-    Revised, StreamEvent, ToAxis, Tracking,
+    FromAxis, LEAD_CYCLES, Open, Opened, OperationRefusal, RefusalReason, Refused, Report, Revised,
+    StreamEvent, ToAxis, Tracking,
 };
 use crate::{Digest, FieldViolation, Reason, Rejected, pb};
 use pb::stream_setpoints_request::Message as Request;

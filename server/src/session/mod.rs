@@ -315,7 +315,9 @@ impl Session {
             None => self.has_more(),
             Some((Turn::Before(last), _)) => self.credit.has_more(Some(last)),
             Some((Turn::Replace(_), _)) => true,
-            Some((Turn::First, splice)) => self.credit.has_more(splice.end_of_first(sent, self.close_at_rest)),
+            Some((Turn::First, splice)) => {
+                self.credit.has_more(splice.end_of_first(sent, self.close_at_rest))
+            }
             Some((Turn::Going, splice)) => self.credit.has_more(splice.branch.end(self.close_at_rest)),
         }
     }
@@ -326,8 +328,10 @@ impl Session {
     }
 
     fn next_batch(&mut self) -> Option<Batch> {
-        let (sent, executed, close_at_rest) = (self.credit.sent(), self.credit.executed(), self.close_at_rest);
-        let (branch, cycles, replaces) = match self.splice.as_mut().map(|splice| (splice.turn(sent), splice)) {
+        let (sent, executed, close_at_rest) =
+            (self.credit.sent(), self.credit.executed(), self.close_at_rest);
+        let (branch, cycles, replaces) = match self.splice.as_mut().map(|splice| (splice.turn(sent), splice))
+        {
             None => {
                 let end = self.adopted.end(close_at_rest);
                 (&mut self.adopted, self.credit.next(self.batch_cycles, end)?, false)

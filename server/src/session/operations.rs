@@ -2,9 +2,7 @@
 
 use planner::LAST_CYCLE;
 use planner::motion::{Operation as Planned, Spliced};
-use proto::stream::{
-    Operation, OperationRefusal, OperationResult, RECENT_RESULTS, Revised, ToAxis,
-};
+use proto::stream::{Operation, OperationRefusal, OperationResult, RECENT_RESULTS, Revised, ToAxis};
 use proto::{Reason, Rejected};
 
 use super::queue::{Asker, Waiting};

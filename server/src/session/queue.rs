@@ -1,5 +1,5 @@
-use proto::stream::Operation;
 use planner::motion::Operation as Planned;
+use proto::stream::Operation;
 
 /// Who wants to know what became of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,9 +64,11 @@ impl Queue {
     /// The place of the one that takes effect first among those that are due, and its cycle; `begins` tells where an operation
     /// would begin, if it is due.
     pub(super) fn find_due(&self, begins: impl Fn(&Waiting) -> Option<u64>) -> Option<(usize, u64)> {
-        let due = self.waiting.iter().enumerate().filter_map(|(place, waiting)| {
-            begins(waiting).map(|cycle| ((cycle, waiting.order), place))
-        });
+        let due = self
+            .waiting
+            .iter()
+            .enumerate()
+            .filter_map(|(place, waiting)| begins(waiting).map(|cycle| ((cycle, waiting.order), place)));
         due.min().map(|((cycle, _), place)| (place, cycle))
     }
 

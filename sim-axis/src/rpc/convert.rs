@@ -281,15 +281,8 @@ impl From<pb::StreamReportCard> for StreamReport {
 
 impl From<StreamReport> for pb::StreamReportCard {
     fn from(report: StreamReport) -> Self {
-        let StreamReport {
-            cycles_executed,
-            counters,
-            failovers,
-            revisions,
-            jitter,
-            digest,
-            stop_tail_used,
-        } = report;
+        let StreamReport { cycles_executed, counters, failovers, revisions, jitter, digest, stop_tail_used } =
+            report;
         let Jitter { p50, p99, max } = jitter;
         Self {
             cycles_executed,

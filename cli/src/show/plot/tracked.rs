@@ -65,10 +65,13 @@ pub(crate) fn of_tracking(plan: &Plan, tracked: &Tracked) -> Figure {
     let until = times.last().copied().unwrap_or_default();
     if !tracked.operations.is_empty() {
         let mut played = [&tracked.commanded_acceleration, &tracked.commanded_jerk].into_iter();
-        figure.panels.extend(rest.zip(&mut played).map(|(panel, values)| Panel { series: vec![told(values)], ..panel }));
+        figure.panels.extend(
+            rest.zip(&mut played).map(|(panel, values)| Panel { series: vec![told(values)], ..panel }),
+        );
         figure.bands_name = "operation".to_owned();
         figure.bands = operations(&tracked.operations, until);
-        figure.subtitle = format!("{} s, with {}", plain(until), counted(tracked.operations.len() as u64, "operation"));
+        figure.subtitle =
+            format!("{} s, with {}", plain(until), counted(tracked.operations.len() as u64, "operation"));
         return figure;
     }
     figure.panels.extend(rest.map(|mut panel| {
@@ -86,7 +89,8 @@ pub(crate) fn of_tracking(plan: &Plan, tracked: &Tracked) -> Figure {
 
 /// From each operation to the next.
 fn operations(operations: &[(f64, String)], until: f64) -> Vec<Band> {
-    let begins = std::iter::once((0.0, "as planned")).chain(operations.iter().map(|(from, name)| (*from, name.as_str())));
+    let begins = std::iter::once((0.0, "as planned"))
+        .chain(operations.iter().map(|(from, name)| (*from, name.as_str())));
     let ends = operations.iter().map(|operation| operation.0).chain([until]);
     begins.zip(ends).map(|((from, label), to)| Band { from, to, label: label.to_owned() }).collect()
 }
