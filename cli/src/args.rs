@@ -1,5 +1,6 @@
 //! Every flag, with its unit in `--help`, and an example for every command.
 
+mod command;
 mod limits;
 mod pvt;
 
@@ -10,6 +11,7 @@ use planner::{AxisKind, AxisMoveSpec, LimitsSpec, RequestSpec, ShortPathPolicy, 
 use proto::Reason;
 
 use crate::law::{Law, LawFlags};
+pub(crate) use command::{CommandArgs, Order};
 pub(crate) use limits::{HigherLimitFlags, LimitFlags};
 pub(crate) use pvt::PvtArgs;
 
@@ -34,6 +36,7 @@ Examples:
   portamento verify --plan move.json
   portamento sample --plan move.json --output move.csv
   portamento track --plan move.json --endpoint http://127.0.0.1:50052
+  portamento command hold --axis http://127.0.0.1:50052
   portamento explain PATH_TOO_SHORT
 
 Exit codes:
@@ -76,6 +79,7 @@ pub(crate) enum Command {
     Verify(VerifyArgs),
     Sample(SampleArgs),
     Track(TrackArgs),
+    Command(CommandArgs),
     Explain(ExplainArgs),
 }
 
@@ -299,7 +303,8 @@ pub(crate) struct PlanSource {
 /// Watch a move: a server, an axis with a spring in it and a move of 50 mm, all in this process.
 ///
 /// The plan goes over gRPC to the axis, which plays it in real time at one setpoint a millisecond from its own buffer.
-/// Prints the plan and how the axis followed it, draws both, and compares families on the same move.
+/// On its way the move is slowed to half, held and resumed. Prints the plan, the operations and how the axis followed,
+/// draws it, and compares families on the same move.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -310,7 +315,7 @@ pub(crate) struct DemoArgs {
     /// Where to draw s, v, a and j, commanded against measured.
     #[arg(long, value_name = "FILE.svg", default_value = "portamento-demo.svg", value_parser = svg)]
     pub(crate) plot: PathBuf,
-    /// As fast as it computes, instead of one cycle a millisecond; the numbers are the same.
+    /// As fast as it computes, instead of one cycle a millisecond; operations may then come some cycles later.
     #[arg(long)]
     pub(crate) virtual_time: bool,
 }

@@ -41,7 +41,7 @@ fn unversioned(text: &str) -> String {
 
 #[test]
 fn help_teaches() {
-    for command in ["", "demo", "plan", "pvt", "compare", "verify", "sample", "track", "explain"] {
+    for command in ["", "demo", "plan", "pvt", "compare", "verify", "sample", "track", "command", "explain"] {
         let args: Vec<&str> = [command, "--help"].into_iter().filter(|arg| !arg.is_empty()).collect();
         let help = portamento(&args, "").with(0).out;
         assert!(help.contains("Examples:"), "{help}");
@@ -388,7 +388,7 @@ fn the_demo_is_played_and_drawn() {
     let longest =
         out.lines().filter(|line| !line.starts_with("Drawn in ")).map(|line| line.chars().count()).max();
     assert!(longest <= Some(80), "{longest:?}:\n{out}");
-    for part in ["314 of 314, no underrun", "the digest is that of the plan", "Drawn in "] {
+    for part in ["with 3 operations, no underrun", "the digest is that of a replay", "Drawn in "] {
         assert!(out.contains(part), "{part}: {out}");
     }
     assert!(std::fs::read_to_string(&file).unwrap().starts_with("<svg"));

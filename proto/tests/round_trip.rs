@@ -1,10 +1,14 @@
 //! Domain to wire and back gives the same bits.
-#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail by panicking")]
 
-use planner::{Judged, Limits, LimitsSpec, Request, RequestSpec, State};
+use planner::motion::{AxisPoints, Points};
+use planner::{AxisMoveSpec, Judged, Limits, LimitsSpec, Request, RequestSpec, State};
 use proptest::prelude::*;
 use prost::Message;
-use proto::stream::{Columns, FromAxis, Open, Report, StreamEvent, StreamEventKind, ToAxis};
+use proto::stream::{
+    Ask, Columns, FromAxis, GoalSpec, Motion, Open, Operation, OperationResult, Report, Revised, StreamEvent,
+    StreamEventKind, ToAxis,
+};
 use proto::{Digest, pb, plan_from_wire, plan_to_wire, request_from_wire, request_to_wire};
 
 fn request(distance: f64, start: f64, end: f64, cruise: f64) -> RequestSpec {
@@ -181,6 +185,150 @@ fn an_event_comes_back() {
     assert_eq!(back, (5, there));
 }
 
+/// Also of a trapezoid, in whose splices the acceleration may jump, so that they promise less than other S-curves do.
+#[test]
+fn a_motion_comes_back_with_its_base_and_what_became_of_operations() {
+    use planner::motion::{Operation, Override};
+    let mut trapezoid = request(0.05, 0.0, 0.0, 0.25);
+    trapezoid.family = Ok(planner::Family::Trapezoidal);
+    let specs = [
+        request(0.05, 0.0, 0.0, 0.25),
+        request(0.5, 0.1, 0.2, 0.25),
+        smoother(0.3, 0.5, pb::ProfileFamily::Polynomial, Some(5)),
+        smoother(0.3, 0.5, pb::ProfileFamily::Trigonometric, None),
+        trapezoid,
+    ];
+    let half = Operation::Override(Override::new(0.5).unwrap());
+    let mut without_jerk = 0;
+    for spec in specs {
+        for cycle in (0..300).step_by(7) {
+            let opened = planner::motion::Motion::open(judged(spec.clone()).accepted().unwrap()).unwrap();
+            let mut under_way = opened;
+            for (index, operation) in
+                [&half, &Operation::Hold, &Operation::Resume, &Operation::Stop].into_iter().enumerate()
+            {
+                under_way = under_way.splice(cycle + 40 * index as u64, operation).unwrap().motion;
+                without_jerk += u32::from(!under_way.plan().guarantees(planner::Quantity::Jerk));
+                let result = OperationResult {
+                    request_id: "h".into(),
+                    effective_cycle: cycle,
+                    rest_cycle: under_way.last_cycle(),
+                    revision: under_way.revision(),
+                    on_path: true,
+                };
+                let recent = [result].into();
+                let motion =
+                    Motion { under_way: under_way.clone(), digest_before: Digest::from(cycle), recent };
+                let there = ToAxis::Revised(Box::new(Revised { motion }));
+                let back = proto::response_from_wire(proto::response_to_wire(5, there.clone())).unwrap();
+                assert_eq!(back, (5, there));
+            }
+        }
+    }
+    assert!(without_jerk > 0, "no splice was made in a jump");
+}
+
+#[test]
+fn operations_come_back() {
+    let goal = GoalSpec {
+        axis: "x".into(),
+        goal: State { position: 0.1, velocity: 0.2, acceleration: -0.3 },
+        limits: Some(LimitsSpec {
+            max_velocity: 1.0,
+            max_acceleration: 2.0,
+            max_jerk: 3.0,
+            ..LimitsSpec::default()
+        }),
+    };
+    let plain = GoalSpec { limits: None, ..goal.clone() };
+    let asks = [
+        Ask::Hold,
+        Ask::Resume,
+        Ask::Override(0.5),
+        Ask::Retarget(vec![goal, plain]),
+        Ask::Append(Points {
+            axes: vec![AxisPoints {
+                axis: "x".into(),
+                times: vec![0.05],
+                positions: vec![0.1],
+                velocities: vec![-0.2],
+            }],
+            last: true,
+        }),
+        Ask::Stop,
+    ];
+    for ask in asks.into_iter().map(Some).chain([None]) {
+        for not_before_cycle in [None, Some(0), Some(u64::MAX)] {
+            let operation = Operation { request_id: "o".into(), not_before_cycle, ask: ask.clone() };
+            let there = FromAxis::Operation(operation);
+            assert_eq!(request_from_wire(request_to_wire(&there)).unwrap(), there);
+        }
+    }
+}
+
+#[test]
+fn a_motion_that_is_none_is_refused_with_its_field() {
+    let under_way = planner::motion::Motion::open(judged(request(0.05, 0.0, 0.0, 0.25)).accepted().unwrap());
+    let held = under_way.unwrap().splice(100, &planner::motion::Operation::Hold).unwrap().motion;
+    let there = ToAxis::Revised(Box::new(Revised { motion: Motion::opened(held) }));
+    let Some(pb::stream_setpoints_response::Message::Revised(revised)) =
+        proto::response_to_wire(1, there).message
+    else {
+        panic!("it was revised")
+    };
+    let wire = revised.motion.unwrap();
+    type Spoil = fn(&mut pb::Motion);
+    let rows: [(Spoil, proto::Reason, &str); 7] = [
+        (|motion| motion.base = None, proto::Reason::FieldMissing, "motion.base"),
+        (|motion| motion.plan = None, proto::Reason::FieldMissing, "motion.plan"),
+        (
+            |motion| motion.override_factor = f64::NAN,
+            proto::Reason::OverrideOutOfRange,
+            "motion.override_factor",
+        ),
+        (|motion| motion.from_cycle = u64::MAX, proto::Reason::ValueOutOfRange, "motion.from_cycle"),
+        (
+            |motion| motion.closing_from_cycle = Some(7),
+            proto::Reason::ValueOutOfRange,
+            "motion.closing_from_cycle",
+        ),
+        (
+            |motion| motion.base_time.push(pb::AxisSegment::default()),
+            proto::Reason::TimesNotIncreasing,
+            "motion.base_time[0].duration",
+        ),
+        (|motion| motion.phase = 0, proto::Reason::KindUnspecified, "motion.phase"),
+    ];
+    for (spoil, reason, field) in rows {
+        let mut motion = wire.clone();
+        spoil(&mut motion);
+        let revised = pb::MotionRevised { motion: Some(motion), certificate: None };
+        let message = Some(pb::stream_setpoints_response::Message::Revised(revised));
+        let rejected =
+            proto::response_from_wire(pb::StreamSetpointsResponse { epoch: 1, message }).unwrap_err();
+        assert_eq!((rejected.reason, rejected.fields[0].field.as_str()), (reason, field), "{rejected}");
+    }
+}
+
+/// Axes that arrive together, slowed, held and resumed: the pieces are of degree 9, and the law of time travels with them.
+#[test]
+fn a_motion_that_is_re_timed_comes_back_with_the_same_bits() {
+    use planner::motion::{Operation as Planned, Override};
+    let mut spec = request(0.5, 0.0, 0.0, 0.25);
+    spec.axes.push(AxisMoveSpec { axis: "y".into(), goal: State::at_rest(-0.1), ..spec.axes[0].clone() });
+    spec.synchronization = Ok(planner::Synchronization::Time);
+    let mut motion = planner::motion::Motion::open(judged(spec).accepted().unwrap()).unwrap();
+    let slower = Planned::Override(Override::new(0.5).unwrap());
+    for (cycle, operation) in [(300, slower), (700, Planned::Hold), (3000, Planned::Resume)] {
+        motion = motion.splice(cycle, &operation).unwrap().motion;
+        assert!(motion.base_time().is_some());
+        let revised = Box::new(Revised { motion: Motion::opened(motion.clone()) });
+        let wire = proto::response_to_wire(1, ToAxis::Revised(revised.clone()));
+        let (_, back) = proto::response_from_wire(wire).unwrap();
+        assert_eq!(back, ToAxis::Revised(revised), "{operation:?}");
+    }
+}
+
 #[test]
 fn columns_of_different_lengths_are_refused() {
     let wire = pb::SetpointColumns { cycles: 2, position: vec![0.0; 2], ..Default::default() };
@@ -210,7 +358,6 @@ fn every_invalid_field_is_named_at_once() {
             "axes[1].kind",
             "axes[1].limits",
             "axes[1].goal.position",
-            "synchronization",
         ]
     );
     let start = rejected.fields.iter().find(|violation| violation.field == "axes[0].goal.position");

@@ -14,6 +14,10 @@ pub struct Commander {
     inbox: mpsc::Sender<Command>,
 }
 
+/// What will become of an operation.
+#[derive(Debug)]
+pub struct Answered(oneshot::Receiver<Result<OperationResult, Rejected>>);
+
 /// One operation, and whoever waits for what becomes of it.
 #[derive(Debug)]
 pub(crate) struct Command {
@@ -41,12 +45,22 @@ impl Commander {
         let (answer, answered) = oneshot::channel();
         let sent = self.inbox.send(Command { operation, answer }).await;
         sent.map_err(|_| not_confirmed())?;
-        answered.await.unwrap_or_else(|_| Err(not_confirmed()))
+        Answered(answered).get().await
     }
 
     /// Is it the commander of the same run?
     pub(crate) fn is_of(&self, other: &Self) -> bool {
         self.inbox.same_channel(&other.inbox)
+    }
+}
+
+impl Answered {
+    /// Waits until the server says what became of it.
+    ///
+    /// # Errors
+    /// Those of [`Commander::operate`].
+    pub async fn get(self) -> Result<OperationResult, Rejected> {
+        self.0.await.unwrap_or_else(|_| Err(not_confirmed()))
     }
 }
 
@@ -69,6 +83,13 @@ impl Waiting {
     /// Nothing more will be answered.
     pub(crate) fn give_up(&self) {
         self.answers.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+
+    /// Waits for what becomes of a request.
+    pub(crate) fn answered(&self, request_id: &str) -> Answered {
+        let (answer, answered) = oneshot::channel();
+        self.expect(request_id, answer);
+        Answered(answered)
     }
 
     fn expect(&self, request_id: &str, answer: Answer) {

@@ -55,7 +55,7 @@ mod vibration;
 pub use audit::{InvalidField, InvalidModel};
 pub use axis::{Axis, AxisConfig, InvalidConfig, Observation};
 pub use clock::Clock;
-pub use commands::Commander;
+pub use commands::{Answered, Commander};
 pub use config::Config;
 pub use encoder::{Encoder, Measured};
 pub use interpolate::Quintic;

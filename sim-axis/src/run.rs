@@ -8,15 +8,15 @@ use client::{Buffer, Client, Link, Reports, Revision, Standing};
 use planner::{Accepted, AxisKind, Setpoint};
 use proto::Digest;
 use proto::stream::{
-    Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES, Motion, Open, Opened,
-    OperationRefusal, StreamEvent, ToAxis,
+    Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES, FromAxis, Motion, Open, Opened,
+    Operation, OperationRefusal, StreamEvent, ToAxis,
 };
 use tokio::sync::{mpsc, oneshot};
 use tonic::Code;
 
 use crate::axis::{Axis, AxisConfig, InvalidConfig};
 use crate::clock::Clock;
-use crate::commands::{Command, Commander, Waiting, commander, forward};
+use crate::commands::{Answered, Command, Commander, Waiting, commander, forward};
 use crate::cycle_thread::{Fed, Feed, Outcome, Outside, ReportRing, SampleRing, spawn};
 use crate::jitter::Jitter;
 use crate::model::AxisModel;
@@ -235,6 +235,17 @@ impl Tracking {
     /// # Errors
     /// A request that cannot be run, before anything is opened; a stream that no planner opens.
     pub async fn begin(request: TrackRequest) -> Result<Self, TrackError> {
+        Self::begin_with(request, Vec::new()).await.map(|(tracking, _)| tracking)
+    }
+
+    /// The same, with operations that the server knows before the first cycle is played; what becomes of each is told in turn.
+    ///
+    /// # Errors
+    /// Those of [`Tracking::begin`].
+    pub async fn begin_with(
+        request: TrackRequest,
+        operations: Vec<Operation>,
+    ) -> Result<(Self, Vec<Answered>), TrackError> {
         let axes = axes(&request)?;
         let open = open_of(&request);
         let opened = open_somewhere(&request.endpoints, &open).await?;
@@ -245,12 +256,19 @@ impl Tracking {
         let (teller, updates) = mpsc::channel(UPDATES);
         let (done, result) = oneshot::channel();
         let Opening { motion, served_by, link, reports } = opened;
+        let waiting = Waiting::default();
+        let mut answers = Vec::with_capacity(operations.len());
+        for operation in operations {
+            answers.push(waiting.answered(&operation.request_id));
+            // A stream that is over says so where it is read.
+            reports.say(&FromAxis::Operation(operation)).await;
+        }
         tokio::spawn(async move {
-            let result = carry((link, reports), outside, teller, request.clock, commands).await;
+            let result = carry((link, reports), outside, teller, request.clock, (commands, waiting)).await;
             // Nobody to tell is not a failure.
             let _ = done.send(result);
         });
-        Ok(Self { motion, served_by, commander, updates, result })
+        Ok((Self { motion, served_by, commander, updates, result }, answers))
     }
 
     /// The motion as it was opened, with the closing stop of a plan that ends at speed.
@@ -419,14 +437,13 @@ async fn carry(
     outside: Outside,
     teller: mpsc::Sender<Update>,
     clock: Clock,
-    commands: mpsc::Receiver<Command>,
+    (commands, waiting): (mpsc::Receiver<Command>, Waiting),
 ) -> Result<TrackingReport, TrackError> {
     // Kept to the end: without it the cycle thread stops at once.
     let Outside { mut feed, reports: report_ring, samples, outcome } = outside;
     let sampled = Arc::clone(&samples.news);
     let (events, event_queue) = mpsc::channel(EVENTS);
     let nobody = teller.clone();
-    let waiting = Waiting::default();
     let mut forwarding = Box::pin(forward(commands, reports.clone(), &waiting));
     let mut feeding = Box::pin(feed_from(link, &mut feed, events, &waiting));
     let mut telling = Box::pin(tell(samples, event_queue, teller, clock));

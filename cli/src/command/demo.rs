@@ -1,11 +1,13 @@
 use std::path::Path;
 
 use client::Client;
+use planner::motion::Motion;
 use planner::{
     Accepted, AxisKind, AxisMoveSpec, Family, Judged, LimitsSpec, RequestSpec, ShortPathPolicy, State,
     Synchronization,
 };
 use proto::Digest;
+use proto::stream::{Ask, Operation, OperationResult};
 use serde_json::json;
 use server::Server;
 use sim_axis::{AxisModel, Clock, TrackRequest, Tracking, TrackingReport, default_settle_tolerance};
@@ -25,10 +27,18 @@ use crate::show::{json as messages, report, table};
 /// How far ahead the demo's axis holds setpoints [cycles]: the machine may be busy with something else.
 const LEAD_CYCLES: u32 = 100;
 
+/// What is done to the motion on its way: from which cycle, what the figure calls it, what the table says.
+const OPERATIONS: [(u64, &str, &str, Ask); 3] = [
+    (120, "override", "goes at half its feed rate", Ask::Override(0.5)),
+    (220, "hold", "holds", Ask::Hold),
+    (420, "resume", "goes on", Ask::Resume),
+];
+
 /// What the demo found.
 struct Outcome {
     report: TrackingReport,
-    /// What the plan says that the digest is.
+    results: Vec<OperationResult>,
+    /// What the planner says that the digest is.
     undisturbed: Digest,
     tracked: Tracked,
 }
@@ -39,7 +49,7 @@ pub(crate) fn run(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(), Failur
     let runtime = runtime.map_err(|error| Failure::Internal(error.to_string()))?;
     let (judged, outcome) = runtime.block_on(play(args, screen))?;
     draw(&args.plot, &judged, &outcome.tracked)?;
-    let Outcome { report, undisturbed, .. } = outcome;
+    let Outcome { report, results, undisturbed, .. } = outcome;
     let model = AxisModel::flexible("x");
     let watched =
         Watched { model: &model, settle_tolerance: Some(default_settle_tolerance(AxisKind::Prismatic)) };
@@ -49,17 +59,19 @@ pub(crate) fn run(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(), Failur
         let answer = json!({
             "report": messages::tracking_report(&report)?,
             "failovers": report.stream.failovers,
+            "operations": operation_results(&results)?,
             "digest": u64::from(report.stream.digest).to_string(),
             "undisturbedDigest": u64::from(undisturbed).to_string(),
             "families": compared::json(&families, &chosen.limits()),
         });
         writeln!(screen.out, "{answer}")?;
     } else {
+        operations(screen, &results)?;
         report::tracking(screen, judged.plan(), &report)?;
         let same = if report.stream.digest == undisturbed {
-            screen.paint.good("the digest is that of the plan: not a bit was lost")
+            screen.paint.good("the digest is that of a replay by the planner: not a bit was lost")
         } else {
-            screen.paint.bad(&format!("the digest of the plan is {undisturbed}"))
+            screen.paint.bad(&format!("the digest of a replay by the planner is {undisturbed}"))
         };
         writeln!(screen.out, "  {same}")?;
         writeln!(screen.out, "\n{}", screen.paint.heading("The same move by other families"))?;
@@ -71,6 +83,43 @@ pub(crate) fn run(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(), Failur
         return Ok(());
     }
     Err(Failure::Internal("the setpoints that were played are not those of the plan".into()))
+}
+
+/// What became of each operation.
+fn operations(screen: &mut Screen<'_>, results: &[OperationResult]) -> std::io::Result<()> {
+    writeln!(screen.out, "{}", screen.paint.heading("Operations on the way"))?;
+    for ((_, name, does, _), result) in OPERATIONS.iter().zip(results) {
+        let OperationResult { effective_cycle, rest_cycle, .. } = result;
+        let text = format!("{does} from cycle {effective_cycle}, would rest from cycle {rest_cycle}");
+        writeln!(screen.out, "  {name:24}{text}")?;
+    }
+    writeln!(screen.out)
+}
+
+fn operation_results(results: &[OperationResult]) -> Result<Vec<serde_json::Value>, Failure> {
+    let wire = results.iter().map(|result| proto::pb::OperationResult::from(result.clone()));
+    wire.map(|result| proto::to_json_value(&result).map_err(Failure::from)).collect()
+}
+
+/// The digest of `plan` with the demo's operations done to it as `results` say, without any stream.
+fn replayed(plan: &Accepted, results: &[OperationResult]) -> Result<Digest, Failure> {
+    let mut motion = Motion::open(plan.clone()).map_err(Failure::refused)?;
+    let (mut digest, mut played) = (Digest::ZERO, 0);
+    let mut play = |motion: &Motion, to: u64| {
+        let mut sampler = motion.plan().sampler();
+        for cycle in played + 1..=to {
+            let setpoints = sampler.at(cycle - motion.from_cycle());
+            digest = digest.then(cycle, setpoints.map(|setpoint| setpoint.words()));
+        }
+        played = to.max(played);
+    };
+    for ((.., ask), result) in OPERATIONS.into_iter().zip(results) {
+        play(&motion, result.effective_cycle - 1);
+        let operation = Operation::now("replay", ask).planned().map_err(Failure::refused)?;
+        motion = motion.splice(result.effective_cycle, &operation).map_err(Failure::refused)?.motion;
+    }
+    play(&motion, motion.last_cycle());
+    Ok(digest)
 }
 
 /// A server on any free port of this machine, an axis, and a move from one to the other.
@@ -86,26 +135,26 @@ async fn play(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(Judged, Outco
 
     let client = Client::connect(&endpoint).await?;
     let judged = client.plan(fifty_millimetres()).await?;
-    let undisturbed = client.digest(&judged).await?;
     if !screen.json {
         table::plan(screen, &judged)?;
         writeln!(screen.out)?;
         screen.out.flush()?;
     }
     let accepted = judged.clone().accepted().map_err(Failure::refused)?;
-    let (report, tracked) = follow(args, &endpoint, accepted).await?;
+    let (report, results, tracked) = follow(args, &endpoint, accepted.clone()).await?;
+    let undisturbed = replayed(&accepted, &results)?;
 
     // Without connections left the server stops at once; how it ends does not matter to the answer.
     drop((client, stop));
     let _ = serving.await;
-    Ok((judged, Outcome { report, undisturbed, tracked }))
+    Ok((judged, Outcome { report, results, undisturbed, tracked }))
 }
 
 async fn follow(
     args: &DemoArgs,
     endpoint: &str,
     plan: Accepted,
-) -> Result<(TrackingReport, Tracked), Failure> {
+) -> Result<(TrackingReport, Vec<OperationResult>, Tracked), Failure> {
     let clock = if args.virtual_time { Clock::Virtual } else { Clock::Wall };
     let request = TrackRequest {
         models: vec![AxisModel::flexible("x")],
@@ -114,12 +163,24 @@ async fn follow(
         ..TrackRequest::new("demo/x", endpoint, plan.clone())
     };
     let mut watch = Watch::new(plan.plan(), request.settle_window, true);
-    let mut tracking = Tracking::begin(request).await?;
+    let asked = OPERATIONS.into_iter().map(|(cycle, name, _, ask)| Operation {
+        not_before_cycle: Some(cycle),
+        ..Operation::now(name, ask)
+    });
+    let (mut tracking, answers) = Tracking::begin_with(request, asked.collect()).await?;
     while let Some(update) = tracking.next().await {
         watch.see(update);
     }
-    let tracked = watch.finish().unwrap_or_default();
-    Ok((tracking.finish().await?, tracked))
+    let mut tracked = watch.finish().unwrap_or_default();
+    let report = tracking.finish().await?;
+    let mut results = Vec::with_capacity(answers.len());
+    for (answer, (_, name, ..)) in answers.into_iter().zip(OPERATIONS) {
+        let result = answer.get().await.map_err(Failure::refused)?;
+        let time = result.effective_cycle as f64 * plan.plan().cycle_time().as_seconds();
+        tracked.operations.push((time, name.to_owned()));
+        results.push(result);
+    }
+    Ok((report, results, tracked))
 }
 
 /// The move of Blejan and Blejan's first example: 50 mm within 0.25 m/s, 3 m/s² and 100 m/s³.

@@ -71,7 +71,13 @@ fn axis(screen: &mut Screen<'_>, card: &ReportCard, kind: AxisKind) -> io::Resul
 }
 
 fn stream_report(screen: &mut Screen<'_>, plan: &Plan, stream: &StreamReport) -> io::Result<()> {
-    let StreamReport { cycles_executed, counters, failovers, jitter, digest, stop_tail_used } = stream;
+    let StreamReport { cycles_executed, counters, failovers, revisions, jitter, digest, stop_tail_used } =
+        stream;
+    // What is planned on the way has another length than what was planned at first.
+    let executed = match revisions {
+        0 => format!("{cycles_executed} of {}", plan.cycle_count()),
+        _ => format!("{cycles_executed}, with {}", counted(*revisions, "operation")),
+    };
     let underruns = match counters.underruns {
         0 => screen.paint.good("no underrun"),
         some => screen.paint.bad(&counted(some, "underrun")),
@@ -79,7 +85,7 @@ fn stream_report(screen: &mut Screen<'_>, plan: &Plan, stream: &StreamReport) ->
     let microseconds = |seconds: f64| plain(round(seconds * 1e6));
     let tail = if *stop_tail_used { ", a stop tail was played" } else { "" };
     let rows = [
-        ("cycles executed", format!("{cycles_executed} of {}, {underruns}", plan.cycle_count())),
+        ("cycles executed", format!("{executed}, {underruns}")),
         (
             "least lead",
             format!(

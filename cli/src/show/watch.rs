@@ -57,6 +57,8 @@ impl Watch {
             tracked.times.push((samples.first_cycle + index as u64) as f64 * self.cycle);
             tracked.commanded_position.push(setpoint.state.position);
             tracked.commanded_velocity.push(setpoint.state.velocity);
+            tracked.commanded_acceleration.push(setpoint.state.acceleration);
+            tracked.commanded_jerk.push(setpoint.jerk);
             tracked.measured_position.push(*measured);
             tracked.following_error.push(*error);
         }

@@ -1,7 +1,8 @@
 use planner::Plan;
 
-use super::figure::{Figure, Ink, Panel, Series, Stroke};
+use super::figure::{Band, Figure, Ink, Panel, Series, Stroke};
 use super::planned::of_plan;
+use crate::show::number::{counted, plain};
 use crate::show::table::short;
 
 /// What an axis was told and what it did, cycle by cycle.
@@ -14,12 +15,16 @@ pub(crate) struct Tracked {
     pub(crate) commanded_position: Vec<f64>,
     pub(crate) measured_position: Vec<f64>,
     pub(crate) commanded_velocity: Vec<f64>,
+    pub(crate) commanded_acceleration: Vec<f64>,
+    pub(crate) commanded_jerk: Vec<f64>,
     pub(crate) measured_velocity: Vec<f64>,
     pub(crate) following_error: Vec<f64>,
+    /// Operations on the way: when each took effect [s], and what it does from then on.
+    pub(crate) operations: Vec<(f64, String)>,
 }
 
 /// Commanded against measured position and velocity, and the following error, above what `plan` says of acceleration
-/// and jerk.
+/// and jerk; where operations changed it, what was commanded.
 pub(crate) fn of_tracking(plan: &Plan, tracked: &Tracked) -> Figure {
     let Tracked { axis, unit, times, .. } = tracked;
     let pairs =
@@ -58,6 +63,17 @@ pub(crate) fn of_tracking(plan: &Plan, tracked: &Tracked) -> Figure {
     ];
     let rest = planned.into_iter().filter(|panel| matches!(panel.title.as_str(), "Acceleration" | "Jerk"));
     let until = times.last().copied().unwrap_or_default();
+    if !tracked.operations.is_empty() {
+        let mut played = [&tracked.commanded_acceleration, &tracked.commanded_jerk].into_iter();
+        figure.panels.extend(
+            rest.zip(&mut played).map(|(panel, values)| Panel { series: vec![told(values)], ..panel }),
+        );
+        figure.bands_name = "operation".to_owned();
+        figure.bands = operations(&tracked.operations, until);
+        figure.subtitle =
+            format!("{} s, with {}", plain(until), counted(tracked.operations.len() as u64, "operation"));
+        return figure;
+    }
     figure.panels.extend(rest.map(|mut panel| {
         for series in &mut panel.series {
             "commanded".clone_into(&mut series.name);
@@ -69,4 +85,12 @@ pub(crate) fn of_tracking(plan: &Plan, tracked: &Tracked) -> Figure {
         panel
     }));
     figure
+}
+
+/// From each operation to the next.
+fn operations(operations: &[(f64, String)], until: f64) -> Vec<Band> {
+    let begins = std::iter::once((0.0, "as planned"))
+        .chain(operations.iter().map(|(from, name)| (*from, name.as_str())));
+    let ends = operations.iter().map(|operation| operation.0).chain([until]);
+    begins.zip(ends).map(|((from, label), to)| Band { from, to, label: label.to_owned() }).collect()
 }

@@ -1,0 +1,70 @@
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use planner::State;
+use proto::pb;
+use proto::stream::{Ask, GoalSpec, Operation, OperationResult};
+use sim_axis::RemoteAxis;
+
+use crate::args::{CommandArgs, Order};
+use crate::failure::Failure;
+use crate::show::paint::{Screen, wrapped};
+
+/// `portamento command`
+pub(crate) fn run(args: &CommandArgs, screen: &mut Screen<'_>) -> Result<(), Failure> {
+    let operation = Operation {
+        request_id: args.request_id.clone().unwrap_or_else(fresh_id),
+        not_before_cycle: args.not_before,
+        ask: Some(ask(&args.order)),
+    };
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let runtime = runtime.map_err(|error| Failure::Internal(error.to_string()))?;
+    let result = runtime.block_on(async {
+        let axis = RemoteAxis::connect(&args.axis).await?;
+        axis.command(&args.stream, operation).await
+    })?;
+    if screen.json {
+        let response = pb::CommandResponse { result: Some(result.into()) };
+        writeln!(screen.out, "{}", proto::to_json(&response)?)?;
+    } else {
+        writeln!(screen.out, "{}", wrapped(&said(&args.order, &result), ""))?;
+    }
+    Ok(())
+}
+
+fn ask(order: &Order) -> Ask {
+    match order {
+        Order::Hold => Ask::Hold,
+        Order::Resume => Ask::Resume,
+        Order::Override { factor } => Ask::Override(*factor),
+        Order::Retarget { goals } => {
+            let goal = |(axis, position): &(String, f64)| GoalSpec {
+                axis: axis.clone(),
+                goal: State::at_rest(*position),
+                limits: None,
+            };
+            Ask::Retarget(goals.iter().map(goal).collect())
+        }
+        Order::Stop => Ask::Stop,
+    }
+}
+
+/// What became of it, in one line.
+fn said(order: &Order, result: &OperationResult) -> String {
+    let OperationResult { effective_cycle, rest_cycle, revision, on_path, .. } = result;
+    let does = match order {
+        Order::Hold => "holds".to_owned(),
+        Order::Resume => "goes on".to_owned(),
+        Order::Override { factor } => format!("goes at {factor} of its feed rate"),
+        Order::Retarget { .. } => "goes to the new goals".to_owned(),
+        Order::Stop => "stops".to_owned(),
+    };
+    let path = if *on_path { "on its path" } else { "off its path" };
+    format!("{does} from cycle {effective_cycle}, rests from cycle {rest_cycle}, {path}; revision {revision}")
+}
+
+/// Unlike that of any request before it: the time [ns].
+#[expect(clippy::disallowed_methods, reason = "only numbers a request; no setpoint depends on it")]
+fn fresh_id() -> String {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    format!("portamento-{}", since.as_nanos())
+}
