@@ -192,14 +192,19 @@ fn settle(
             } else {
                 let arrivals = axis.arrivals().map_err(of_axis(index))?;
                 let first = arrivals.first_from(given);
-                nudge *= 2.0;
-                if first == f64::INFINITY || nudge > MOST_NUDGED {
+                // At a border, which is as exact as its roundings, it may be a little more.
+                let passes = first > given;
+                if !passes {
+                    nudge *= 2.0;
+                }
+                // Also true for NaN.
+                let ends = first < f64::INFINITY && nudge < MOST_NUDGED;
+                if !ends {
                     let greatest = arrivals.blocked().last().map_or(given, |blocked| blocked.after);
                     let why = Why::ArrivesEarly { given, greatest };
                     return Err(InvalidFields::one(Field::element("axes", index), why));
                 }
-                // At a border, which is as exact as its roundings, it may be a little more.
-                let duration = if first > given { first } else { given * (1.0 + nudge) };
+                let duration = if passes { first } else { given * (1.0 + nudge) };
                 agreed = Together { duration, critical: Some(index) };
                 continue 'agreeing;
             }

@@ -13,6 +13,9 @@ pub const MAX_BLOCKED: usize = 6;
 /// Of a duration \[1\]: a blocked interval that is shorter is a rounding.
 const SLIVER: f64 = 1e-12;
 
+/// How often a crossing is looked at more closely: over more decades than numbers have.
+const MOST_ROUNDS: usize = 24;
+
 /// Durations between which no motion arrives \[s\]; at both ends one does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blocked {
@@ -180,7 +183,11 @@ fn crossing(family: &Upper, one: Mark, other: Mark) -> f64 {
     };
     // As exactly as the later of both times is known may be little for one far before it.
     let (mut near, mut to) = (near, other.time);
-    while near < 0.5 * to {
+    // Each round is worth fifteen digits, so the second is seldom needed.
+    for _ in 0..MOST_ROUNDS {
+        if near >= 0.5 * to {
+            break;
+        }
         let rounding = 8.0 * f64::EPSILON * to;
         let from = largest(one.time, near - rounding);
         to = near + rounding;

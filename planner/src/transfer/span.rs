@@ -1,10 +1,8 @@
 use super::course::SIGNS;
 use super::ends::{Ends, Phases};
+use super::timed::SAME_TIME;
 use super::upper::{Flank, Upper};
 use crate::float::{largest, least, sqrt};
-
-/// Of the time in which a family's members pass zero acceleration \[1\]: before it by less is at it.
-const SAME_TIME: f64 = 16.0 * f64::EPSILON;
 
 /// The member of a family that takes a given time.
 #[derive(Clone, Copy, Debug)]

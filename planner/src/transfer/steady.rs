@@ -9,6 +9,9 @@ use crate::roots::sign_change;
 /// Of the speeds of a motion \[1\]: what its steady velocity is rounded to.
 const VELOCITY_ROUNDED: f64 = 16.0 * f64::EPSILON;
 
+/// Newton's steps to a steady velocity: it takes about six; the rest is for numbers that are none.
+const MOST_STEPS: usize = 64;
+
 /// To a velocity, on at it, and from it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steady {
@@ -86,7 +89,7 @@ impl Upper {
         let room = self.room();
         let mut steady = foot;
         let mut above = 0.0;
-        loop {
+        for _ in 0..MOST_STEPS {
             let next = above + (self.way - steady.way()) / steady.slope();
             // Also false for NaN, so that the loop ends whatever was given.
             let rises = next > above;
@@ -102,6 +105,7 @@ impl Upper {
                 return None;
             }
         }
+        Some(steady.settled(self.way))
     }
 
     /// Steady at a velocity between those that the two ends come to by themselves, over the way; none where all that lead there

@@ -81,7 +81,7 @@ impl Timed {
     }
 
     fn lasting(&self, time: f64) -> Option<Found> {
-        let [upper, lower] = &self.families;
+        let [upper, _] = &self.families;
         let feet = self.families.map(|family| family.steady_at_foot(time));
         // A steady motion comes after both. Also false for NaN.
         let changes = feet.iter().any(Option::is_some)
@@ -101,16 +101,7 @@ impl Timed {
         if let Some(steady) = between {
             return Some(Found::Steady(steady));
         }
-        let strand = |index: usize, family: &Upper| match &feet[index] {
-            Some(foot) if index == 0 => Strand::of_steady(foot),
-            Some(foot) => Strand::of_steady(&foot.mirrored()),
-            None => {
-                let Member { phases, way, .. } = family.lasting(time);
-                let sign = if index == 0 { 1.0 } else { -1.0 };
-                Strand::of_member(&Shape { sign, phases }, sign * way)
-            }
-        };
-        let strands = [strand(0, upper), strand(1, lower)];
+        let strands = [0, 1].map(|index| self.strand(index, feet[index].as_ref(), time));
         let (farthest, nearest) = (strands[0].way, strands[1].way);
         let off = largest(upper.way - farthest, nearest - upper.way);
         if off > 0.0 && off > self.slack(time) {
@@ -118,6 +109,19 @@ impl Timed {
         }
         let part = if farthest > nearest { (upper.way - nearest) / (farthest - nearest) } else { 0.0 };
         Some(Found::Blend(strands, least(1.0, largest(0.0, part))))
+    }
+
+    /// What is blended on the side of a family: the motion that is steady at its foot, or, where that takes longer, its member.
+    fn strand(&self, index: usize, foot: Option<&Steady>, time: f64) -> Strand {
+        match foot {
+            Some(foot) if index == 0 => Strand::of_steady(foot),
+            Some(foot) => Strand::of_steady(&foot.mirrored()),
+            None => {
+                let Member { phases, way, .. } = self.families[index].lasting(time);
+                let sign = if index == 0 { 1.0 } else { -1.0 };
+                Strand::of_member(&Shape { sign, phases }, sign * way)
+            }
+        }
     }
 
     /// The member of a family that takes `time`, where it goes the way but for a rounding.
