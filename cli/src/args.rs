@@ -79,7 +79,8 @@ pub(crate) enum Command {
     Verify(VerifyArgs),
     Sample(SampleArgs),
     Track(TrackArgs),
-    Command(CommandArgs),
+    #[command(name = "command")]
+    Operate(CommandArgs),
     Explain(ExplainArgs),
 }
 

@@ -29,7 +29,7 @@ const LEAD_CYCLES: u32 = 100;
 
 /// What is done to the motion on its way: from which cycle, what the figure calls it, what the table says.
 const OPERATIONS: [(u64, &str, &str, Ask); 3] = [
-    (120, "override", "goes at half its feed rate", Ask::Override(0.5)),
+    (120, "override", "half its feed rate", Ask::Override(0.5)),
     (220, "hold", "holds", Ask::Hold),
     (420, "resume", "goes on", Ask::Resume),
 ];
@@ -90,7 +90,7 @@ fn operations(screen: &mut Screen<'_>, results: &[OperationResult]) -> std::io::
     writeln!(screen.out, "{}", screen.paint.heading("Operations on the way"))?;
     for ((_, name, does, _), result) in OPERATIONS.iter().zip(results) {
         let OperationResult { effective_cycle, rest_cycle, .. } = result;
-        let text = format!("{does} from cycle {effective_cycle}, would rest from cycle {rest_cycle}");
+        let text = format!("from cycle {effective_cycle}: {does}; rests from {rest_cycle}");
         writeln!(screen.out, "  {name:24}{text}")?;
     }
     writeln!(screen.out)

@@ -42,7 +42,7 @@ pub(crate) fn run() -> u8 {
         Command::Verify(args) => verify::run(args, endpoint, &mut screen),
         Command::Sample(args) => sample::run(args, endpoint, &mut screen),
         Command::Track(args) => track::run(args, endpoint, &mut screen),
-        Command::Command(args) => operate::run(args, &mut screen),
+        Command::Operate(args) => operate::run(args, &mut screen),
         Command::Explain(args) => explain::run(args, &mut screen),
     };
     let done = done.and_then(|()| screen.out.flush().map_err(Failure::from));
