@@ -10,10 +10,12 @@ mod common;
 
 use common::Random;
 use common::paths::{self, KINDS, Kind};
-use planner::motion::{InvalidMotion, Motion, MotionParts, Operation, Override, Phase, Refused, Spliced};
+use planner::motion::{
+    AxisGoal, InvalidMotion, Motion, MotionParts, Operation, Override, Phase, Refused, Spliced,
+};
 use planner::{
-    Judged, Method, Plan, Profile, Quantity, Segment, State, Synchronization, TimeLaw, certify,
-    greatest_factor,
+    AxisKind, AxisMoveSpec, Family, Judged, LimitsSpec, Method, Plan, Profile, Quantity, Request,
+    RequestSpec, Segment, ShortPathPolicy, State, Synchronization, TimeLaw, certify, greatest_factor,
 };
 use proptest::prelude::*;
 
@@ -194,6 +196,103 @@ fn a_hold_rests_on_the_path_and_resumes() {
     assert_eq!(held.motion.state(0, later), held.motion.state(0, held.rest_cycle));
     let resumed = held.motion.splice(later, &Operation::Resume).unwrap().motion;
     assert_eq!(resumed.state(0, resumed.last_cycle()), motion.state(0, motion.last_cycle()));
+}
+
+fn retarget(goals: &[(&str, f64)]) -> Operation {
+    let goals = goals.iter().map(|&(axis, position)| AxisGoal {
+        axis: axis.into(),
+        goal: State::at_rest(position),
+        limits: None,
+    });
+    Operation::Retarget(goals.collect())
+}
+
+/// All axes that move arrive when the last one does.
+fn arrives_together(motion: &Motion) {
+    let plan = motion.plan();
+    for axis in plan.axes() {
+        let lasts = axis.profile.duration();
+        assert!(lasts == 0.0 || (lasts - plan.duration()).abs() <= 1e-9 * plan.duration(), "{lasts}");
+    }
+}
+
+#[test]
+fn new_goals_are_gone_to_together_from_wherever_it_is() {
+    let motion = together();
+    let at = motion.last_cycle() / 3;
+    let names: Vec<String> = motion.plan().axes().iter().map(|axis| axis.axis.clone()).collect();
+    let goals = [(names[0].as_str(), 0.1), (names[1].as_str(), -0.3)];
+    for factor in [1.0, 0.5] {
+        let slowed = motion.splice(at, &Operation::Override(Override::new(factor).unwrap())).unwrap().motion;
+        let spliced = slowed.splice(at + 50, &retarget(&goals)).unwrap();
+        let after = &spliced.motion;
+        assert!(certify(after.plan()).passed());
+        arrives_together(after);
+        for (index, (_, goal)) in goals.iter().enumerate() {
+            let (old, new) = (slowed.state(index, at + 50), after.state(index, at + 50));
+            near(words(new), words(old), [1.0, 1.0, 1.0], 3, &|| format!("{factor}"));
+            assert_eq!(after.state(index, after.last_cycle()), State::at_rest(*goal));
+        }
+        // Held and resumed it goes on to them.
+        let held = after.splice(at + 80, &Operation::Hold).unwrap().motion;
+        let resumed = held.splice(held.last_cycle() + 9, &Operation::Resume).unwrap().motion;
+        assert_eq!(resumed.state(1, resumed.last_cycle()), State::at_rest(-0.3));
+        assert_eq!(after.splice(at + 60, &retarget(&goals)).unwrap().motion.revision(), after.revision());
+    }
+}
+
+#[test]
+fn new_goals_of_a_hold_are_gone_to_when_it_is_resumed() {
+    let motion = together();
+    let name = motion.plan().axes()[1].axis.clone();
+    let held = motion.splice(motion.last_cycle() / 3, &Operation::Hold).unwrap().motion;
+    let named = held.splice(held.from_cycle() + 5, &retarget(&[(&name, 0.25)])).unwrap();
+    assert!(!named.changes && named.motion.phase() == Phase::Holding);
+    for cycle in [held.from_cycle() + 20, held.last_cycle() + 100] {
+        let resumed = named.motion.splice(cycle, &Operation::Resume).unwrap().motion;
+        arrives_together(&resumed);
+        let elsewhere = Motion::try_from(parts(&resumed)).unwrap();
+        assert_eq!(elsewhere, resumed);
+        assert_eq!(resumed.state(1, resumed.last_cycle()), State::at_rest(0.25));
+        assert_eq!(resumed.state(0, resumed.last_cycle()), motion.state(0, motion.last_cycle()));
+    }
+}
+
+/// Cosines cannot be re-timed: each axis stops fastest, and they go on together.
+#[test]
+fn what_cannot_be_re_timed_is_held_beside_its_path() {
+    let axis = |name: &str, goal: f64| AxisMoveSpec {
+        axis: name.into(),
+        kind: Ok(AxisKind::Prismatic),
+        start: State::at_rest(0.0),
+        goal: State::at_rest(goal),
+        limits: LimitsSpec {
+            max_velocity: 0.5,
+            max_acceleration: 2.0,
+            max_jerk: 20.0,
+            ..LimitsSpec::default()
+        },
+    };
+    let spec = RequestSpec {
+        axes: vec![axis("x", 0.5), axis("y", -0.2)],
+        cycle_time_ns: None,
+        family: Ok(Family::Trigonometric),
+        order: None,
+        short_path: Ok(ShortPathPolicy::Reject),
+        synchronization: Ok(Synchronization::Time),
+        minimum_duration: None,
+        end_on_cycle: false,
+    };
+    let motion = open(planner::plan(&Request::try_from(spec).unwrap()).unwrap());
+    let held = motion.splice(400, &Operation::Hold).unwrap();
+    assert!(!held.on_path && held.motion.state(0, held.rest_cycle).is_at_rest());
+    for cycle in [held.rest_cycle - 20, held.rest_cycle + 100] {
+        let resumed = held.motion.splice(cycle, &Operation::Resume).unwrap().motion;
+        arrives_together(&resumed);
+        assert_eq!(resumed.state(1, resumed.last_cycle()), State::at_rest(-0.2));
+    }
+    let slowed = motion.splice(400, &Operation::Override(Override::new(0.4).unwrap())).unwrap().motion;
+    assert_eq!(slowed.state(0, slowed.last_cycle()), State::at_rest(0.5));
 }
 
 #[test]

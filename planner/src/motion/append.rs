@@ -47,7 +47,7 @@ const ROUNDED: f64 = 1e-12;
 
 impl Motion {
     pub(super) fn append(&self, at_cycle: u64, phase: Phase, points: &Points) -> Result<Spliced, Refused> {
-        let Running { base, law } = self.running()?;
+        let Some(Running { base, law }) = self.running() else { return Err(Refused::NotThroughPoints) };
         let Some(pvt) = base.plan().method().pvt else { return Err(Refused::NotThroughPoints) };
         let old = base.plan();
         let until = ends_at(old);

@@ -279,7 +279,10 @@ impl Motion {
         let at = self.time_of(at_cycle);
         let axes = self.asked().axes().iter().zip(self.plan().axes());
         axes.map(|(asked, now)| {
-            let passed = !self.is_kept_at_rest() && has_passed(now, at);
+            // A goal that was re-timed is passed where the stop begins.
+            let closes = || self.closing_from_cycle.is_some_and(|closing| at_cycle >= closing);
+            let passed =
+                !self.is_kept_at_rest() && if self.law.is_some() { closes() } else { has_passed(now, at) };
             let goal = if passed { now.profile.end() } else { asked.goal };
             aim(asked, goal, asked.limits.clone())
         })

@@ -157,10 +157,8 @@ impl Motion {
         match Kind::of(under_way.plan) {
             Kind::Each => each::planned(under_way),
             Kind::Line => line::planned(under_way, self.asked()),
-            Kind::Path => Err(Refused::not_implemented(
-                "new goals for axes that arrive together, or go through points",
-                "stop and open a stream with a new plan, or plan with SYNCHRONIZATION_NONE or SYNCHRONIZATION_PHASE",
-            )),
+            // Of these only a single axis comes here.
+            Kind::Path => each::planned(under_way),
         }
     }
 

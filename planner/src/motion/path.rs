@@ -2,16 +2,23 @@
 //!
 //! The motion is the base's path under a law of time, `q(τ(t))` ([`retime`]). Each operation changes the rate τ′ from
 //! what it is to the one asked for: 0 holds, the override goes on. The base and the law travel with the motion, for a motion that was re-timed
-//! is of higher degree than can be re-timed again.
+//! is of higher degree than can be re-timed again. New goals make a new path, on which all axes arrive together.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::errand::closing_begins;
-use super::{Kind, Motion, Refused, Spliced};
-use crate::error::{InvalidFields, Why};
+use super::errand::{Errand, UnderWay, closing_begins};
+use super::leg::Turning;
+use super::prove::{Proved, method_of_splice};
+use super::{Kind, Motion, Override, Phase, Refused, Spliced, aimed, each};
+use crate::error::{Field, InvalidFields, Why};
 use crate::float::largest;
-use crate::{Accepted, AxisPlan, Plan, RetimeError, State, TimeLaw, retime};
+use crate::passage::{greatest_speed, named};
+use crate::retime::can_be_retimed;
+use crate::{
+    Accepted, AxisPlan, AxisTransfer, Classification, Judged, Limits, Method, Plan, RetimeError, State,
+    Synchronization, TimeLaw, Timing, retime, together,
+};
 
 /// Of a velocity or a position \[1\], its limit or its largest: how near a plan is to its base under its law of time, where both come from
 /// elsewhere. Roundings are far less, and a lie that is worth telling is more.
@@ -32,31 +39,104 @@ impl Motion {
         Kind::of(self.plan()) == Kind::Path
     }
 
-    /// The path that it is on.
-    pub(super) fn running(&self) -> Result<Running, Refused> {
+    /// The path that it is on; none where it has been left, or goals were named that are gone to from rest.
+    pub(super) fn running(&self) -> Option<Running> {
         match (&self.base, &self.law) {
-            (Some(base), Some(law)) => Ok(Running { base: Arc::clone(base), law: Arc::clone(law) }),
+            (Some(base), Some(law)) => Some(Running { base: Arc::clone(base), law: Arc::clone(law) }),
             (None, _) => {
-                Ok(Running { base: Arc::clone(&self.plan), law: Arc::new(TimeLaw::of(self.plan())) })
+                Some(Running { base: Arc::clone(&self.plan), law: Arc::new(TimeLaw::of(self.plan())) })
             }
-            (Some(_), None) => Err(Refused::not_implemented(
-                "to go on to new goals with axes that arrive together",
-                "stop, and open a stream with a new plan",
-            )),
+            (Some(_), None) => None,
         }
     }
 
     /// Brings the rate of path time to `rate`. `motion` says what else becomes of this one.
     ///
-    /// What comes to rest already, or has ended, is left to.
+    /// What comes to rest already, or has ended, is left to. What cannot be re-timed, since it is made of cosines or is of a high order,
+    /// comes to rest beside its path, and goes on from there to its goals.
     pub(super) fn at_rate(&self, at_cycle: u64, rate: f64, motion: Self) -> Result<Spliced, Refused> {
-        let running = self.running()?;
-        let at = self.time_of(at_cycle).min(running.law.profile().duration());
+        let running = self.running();
         if rate == 0.0 && self.rests_by(at_cycle) {
-            return Ok(running.goes_on(self, at_cycle, motion));
+            return Ok(match running {
+                Some(running) => running.goes_on(self, at_cycle, motion),
+                None => self.noted(at_cycle, motion),
+            });
         }
-        running.at_rate(self, at_cycle, at, rate, motion)
+        match running.filter(|running| can_be_retimed(running.base.plan())) {
+            Some(running) => {
+                let at = self.time_of(at_cycle).min(running.law.profile().duration());
+                running.at_rate(self, at_cycle, at, rate, motion)
+            }
+            None if rate == 0.0 => self.rest_beside(at_cycle, motion),
+            None => self.anew(at_cycle, &self.aims(at_cycle), motion),
+        }
     }
+
+    /// Each axis stops fastest, and the path is left.
+    fn rest_beside(&self, at_cycle: u64, motion: Self) -> Result<Spliced, Refused> {
+        let aims = self.aims(at_cycle);
+        let base = Some(Arc::new(aimed(self.plan(), &aims)?));
+        let motion = Self { base, law: None, ..motion };
+        let under_way = self.under_way(at_cycle, &aims, Errand::Rest);
+        let Some(planned) = each::planned(&under_way)? else { return Ok(self.noted(at_cycle, motion)) };
+        let Proved { plan, beyond } = planned.proved;
+        let spliced = self.spliced(at_cycle, motion, plan, None, beyond)?;
+        Ok(Spliced { on_path: false, ..spliced })
+    }
+
+    /// Goes to `aims` from wherever it is, all axes arriving together, at the rate of `motion`: the new path is planned at full feed rate,
+    /// and slowed from its beginning.
+    pub(super) fn anew(&self, at_cycle: u64, aims: &[AxisPlan], motion: Self) -> Result<Spliced, Refused> {
+        let motion = Self { base: None, law: None, phase: Phase::Moving, ..motion };
+        let factor = motion.factor;
+        if aims.len() == 1 {
+            // One axis by itself is planned for its rate.
+            let errand = Errand::Goals { factor, turning: Turning::Allowed, kept: &[false] };
+            let under_way = self.under_way(at_cycle, aims, errand);
+            let Some(planned) = each::planned(&under_way)? else { return Ok(self.noted(at_cycle, motion)) };
+            let Proved { plan, beyond } = planned.proved;
+            let base = if beyond.is_empty() { None } else { Some(Arc::new(aimed(self.plan(), aims)?)) };
+            return self.spliced(at_cycle, Self { base, ..motion }, plan, planned.closes, beyond);
+        }
+        let under_way = self.under_way(at_cycle, aims, Errand::Rest);
+        let plan = arriving_together(&under_way)?;
+        let (plan, closing) = match plan.with_closing_stop()? {
+            Some((closed, count)) => (closed, Some(count)),
+            None => (plan, None),
+        };
+        let base = Judged::new(plan).accepted().map_err(Refused::Rejected)?;
+        if factor == Override::FULL {
+            let closes = closing.map(|count| base.plan().cycle_time().start_of(count));
+            return self.spliced(at_cycle, motion, base, closes, Vec::new());
+        }
+        let law = Arc::new(TimeLaw::of(base.plan()));
+        Running { base: Arc::new(base), law }.at_rate(self, at_cycle, 0.0, factor.get(), motion)
+    }
+}
+
+/// A plan of a motion's axes to their aims, which all are reached at one time.
+fn arriving_together(under_way: &UnderWay<'_>) -> Result<Plan, Refused> {
+    let aims = under_way.aims;
+    let limits: Vec<Limits> = aims.iter().map(|aim| aim.limits.scaled(1.0)).collect();
+    let mut invalid = InvalidFields::default();
+    let mut questions = Vec::with_capacity(aims.len());
+    for (index, (aim, limits)) in aims.iter().zip(&limits).enumerate() {
+        let question = AxisTransfer::within_limits(under_way.state(index), aim.goal, limits);
+        let question = question.map_err(|refusal| named(&refusal, limits));
+        questions.extend(invalid.take(&Field::element("axes", index), question));
+    }
+    invalid.into_result(())?;
+    let mut transits = Vec::with_capacity(aims.len());
+    together(&questions, Synchronization::Time, Timing::default(), &mut transits)?;
+    let axes = aims.iter().zip(&transits).map(|(aim, transit)| AxisPlan {
+        profile: transit.to_profile(),
+        classification: Classification::of_speed(greatest_speed(transit)),
+        ..aim.clone()
+    });
+    let method =
+        Method { synchronization: Synchronization::Time, ..method_of_splice(under_way.plan.method()) };
+    let promises = method.promises().to_vec();
+    Ok(Plan::new(method, promises, under_way.plan.cycle_time(), axes.collect())?)
 }
 
 impl Running {

@@ -34,7 +34,7 @@ pub(super) struct Proved {
 }
 
 /// How every splice is made: constant jerk in pieces, whatever the motion was made of before, and to a goal.
-fn method_of_splice(method: Method) -> Method {
+pub(super) fn method_of_splice(method: Method) -> Method {
     Method { family: Family::SCurve, order: 3, end_on_cycle: false, pvt: None, ..method }
 }
 

@@ -45,12 +45,15 @@ impl Motion {
             return Ok(self.untouched(at_cycle));
         }
         if phase != Phase::Holding && !self.factor.rests() {
+            if self.keeps_a_path() {
+                return self.anew(at_cycle, &aims, self.clone());
+            }
             return self.go(at_cycle, &aims, self.factor, Turning::Allowed, &kept);
         }
         self.reachable_from_rest(&aims, &kept)?;
         let base = Some(self.base_to(at_cycle, &aims)?);
         let phase = if phase == Phase::Holding { phase } else { Phase::Moving };
-        Ok(self.noted(at_cycle, Self { phase, base, ..self.clone() }))
+        Ok(self.noted(at_cycle, Self { phase, base, law: None, ..self.clone() }))
     }
 
     /// Aims to go on to from where the motion comes to rest; on its line, if it has one and is to be gone on with before that.

@@ -174,6 +174,19 @@ fn judged(base: &Plan, course: Course) -> Result<Retiming, RetimeError> {
     Ok(Retiming { plan, law, reached: course.reached })
 }
 
+/// Is every piece of a degree that leaves room for a cubic of time in it?
+pub(crate) fn can_be_retimed(base: &Plan) -> bool {
+    base.axes().iter().all(|axis| axis.profile.segments().iter().all(|segment| fits(&segment)))
+}
+
+fn fits(segment: &Segment) -> bool {
+    match segment.law {
+        Law::ConstantJerk(_) => true,
+        Law::Polynomial(derivatives) => derivatives.order() <= GREATEST_ORDER,
+        Law::CosineJerk { .. } => false,
+    }
+}
+
 /// Everything that speaks against a change of the rate.
 fn check(base: &Plan, start: &State, at: f64, factor: f64) -> Result<(), InvalidFields> {
     let mut invalid = InvalidFields::default();
@@ -181,11 +194,6 @@ fn check(base: &Plan, start: &State, at: f64, factor: f64) -> Result<(), Invalid
     for (index, axis) in base.axes().iter().enumerate() {
         let field = Field::element("base.axes", index);
         let mut inner = InvalidFields::default();
-        let fits = |segment: &Segment| match segment.law {
-            Law::ConstantJerk(_) => true,
-            Law::Polynomial(derivatives) => derivatives.order() <= GREATEST_ORDER,
-            Law::CosineJerk { .. } => false,
-        };
         if let Some(piece) = axis.profile.segments().iter().position(|segment| !fits(&segment)) {
             let field = Field::element("segments", piece);
             inner.note(field.as_str(), Some(Why::NotRetimed));
