@@ -77,13 +77,10 @@ impl Motion {
             let closes = closing.map(|count| base.plan().cycle_time().start_of(count));
             return self.spliced(at_cycle, motion, base, closes, Vec::new());
         }
-        Running { base: Arc::new(base), law: Arc::new(law) }.at_rate(
-            self,
-            at_cycle,
-            0.0,
-            self.factor.get(),
-            motion,
-        )
+        let running = Running { base: Arc::new(base), law: Arc::new(law) };
+        let spliced = running.at_rate(self, at_cycle, 0.0, self.factor.get(), &motion)?;
+        // What is left of the path is as good as nothing: then there is nothing to go on through.
+        spliced.ok_or(Refused::AppendTooLate { closing_from_cycle })
     }
 }
 

@@ -65,7 +65,8 @@ impl Motion {
         match running.filter(|running| can_be_retimed(running.base.plan())) {
             Some(running) => {
                 let at = self.time_of(at_cycle).min(running.law.profile().duration());
-                running.at_rate(self, at_cycle, at, rate, motion)
+                let spliced = running.at_rate(self, at_cycle, at, rate, &motion)?;
+                Ok(spliced.unwrap_or_else(|| running.goes_on(self, at_cycle, motion)))
             }
             None if rate == 0.0 => self.rest_beside(at_cycle, motion),
             None => self.anew(at_cycle, &self.aims(at_cycle), motion),
@@ -109,8 +110,15 @@ impl Motion {
             let closes = closing.map(|count| base.plan().cycle_time().start_of(count));
             return self.spliced(at_cycle, motion, base, closes, Vec::new());
         }
-        let law = Arc::new(TimeLaw::of(base.plan()));
-        Running { base: Arc::new(base), law }.at_rate(self, at_cycle, 0.0, factor.get(), motion)
+        let running = Running { law: Arc::new(TimeLaw::of(base.plan())), base: Arc::new(base) };
+        if let Some(spliced) = running.at_rate(self, at_cycle, 0.0, factor.get(), &motion)? {
+            return Ok(spliced);
+        }
+        // Too short a way to slow down on.
+        let Running { base, law } = running;
+        let closes = closes(base.plan(), &law);
+        let motion = Self { base: Some(Arc::clone(&base)), law: Some(law), ..motion };
+        self.spliced(at_cycle, motion, Accepted::clone(&base), closes, Vec::new())
     }
 }
 
@@ -142,39 +150,40 @@ fn arriving_together(under_way: &UnderWay<'_>) -> Result<Plan, Refused> {
 impl Running {
     /// Brings the rate to `rate` from `at` \[s\] on; `before` becomes `motion` otherwise.
     ///
-    /// Where the path ends before the rate could change, or so little of it is left that its roundings are too large for the judge, the motion
-    /// runs to its end.
+    /// None where the path ends before the rate could change, or so little of it is left that its roundings are too large for the judge:
+    /// then it runs to its end.
     pub(super) fn at_rate(
-        self,
+        &self,
         before: &Motion,
         at_cycle: u64,
         at: f64,
         rate: f64,
-        motion: Motion,
-    ) -> Result<Spliced, Refused> {
+        motion: &Motion,
+    ) -> Result<Option<Spliced>, Refused> {
         let (now, end) = (self.law.at(at), self.base.plan().duration());
         if now.position >= end {
-            return Ok(self.goes_on(before, at_cycle, motion));
+            return Ok(None);
         }
         let retiming = match retime(self.base.plan(), &self.law, at, rate) {
             Ok(retiming) => retiming,
             Err(RetimeError::Rejected(_)) if now.velocity > 0.0 && end - now.position <= LEFT * end => {
-                return Ok(self.goes_on(before, at_cycle, motion));
+                return Ok(None);
             }
             Err(RetimeError::Rejected(rejection)) => return Err(Refused::Rejected(rejection)),
             Err(RetimeError::Invalid(invalid)) => return Err(refusal(rate, invalid)),
         };
         if retiming.reached().is_none() && rate < now.velocity {
-            return Ok(self.goes_on(before, at_cycle, motion));
+            return Ok(None);
         }
         let (plan, law) = (retiming.plan().clone(), retiming.law().clone());
         let closes = closes(self.base.plan(), &law);
-        let motion = Motion { base: Some(self.base), law: Some(Arc::new(law)), ..motion };
-        before.spliced(at_cycle, motion, plan, closes, Vec::new())
+        let (base, law) = (Some(Arc::clone(&self.base)), Some(Arc::new(law)));
+        let motion = Motion { base, law, ..motion.clone() };
+        before.spliced(at_cycle, motion, plan, closes, Vec::new()).map(Some)
     }
 
     /// No setpoint changes.
-    fn goes_on(self, before: &Motion, at_cycle: u64, motion: Motion) -> Spliced {
+    pub(super) fn goes_on(self, before: &Motion, at_cycle: u64, motion: Motion) -> Spliced {
         before.noted(at_cycle, Motion { base: Some(self.base), law: Some(self.law), ..motion })
     }
 }
