@@ -15,5 +15,6 @@ mod operations;
 mod plan_then_stream;
 mod pvt;
 mod rehearsed;
+mod rehearsed_paths;
 mod standing_services;
 mod tracking;
