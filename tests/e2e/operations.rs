@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use crate::rehearsed_paths::{FIRST_POINTS, Kind};
 use client::{Error, Setpoints, control};
 use e2e::{Loopback, LoopbackAxis, move_of, open, planned, replay};
 use planner::State;
@@ -32,6 +33,42 @@ async fn play_to(stream: &mut Setpoints, cycle: u64) -> Digest {
         digest = stream.next().await.unwrap().expect("the stream goes on").digest;
     }
     digest
+}
+
+/// Points are appended to a motion that is then slowed and held: base and law of time travel with each revision.
+#[tokio::test]
+async fn a_motion_through_points_is_appended_to_and_held_on_its_path() {
+    let server = Loopback::start().await;
+    let client = server.client().await;
+    let plan = crate::rehearsed_paths::opened(Kind::Points);
+    let open = Open { close_at_rest: false, ..open("cell-7/xy", plan.clone()) };
+    let mut stream = Setpoints::open(&client, open).await.unwrap();
+    let mut done = Vec::new();
+    let append = |from, to| Ask::Append(crate::rehearsed_paths::points(from, to));
+    let steps = [
+        (100, "a1", append(FIRST_POINTS, 12)),
+        (300, "o", Ask::Override(0.5)),
+        (400, "a2", append(12, 14)),
+        (600, "h", Ask::Hold),
+        (900, "r", Ask::Resume),
+    ];
+    for (cycle, id, ask) in steps {
+        play_to(&mut stream, cycle).await;
+        let operation = Operation::now(id, ask);
+        let planned = operation.planned().unwrap();
+        assert!(stream.operate(operation).await);
+        let result = answered(&mut stream, id).await.unwrap();
+        assert_eq!((result.revision, result.on_path), (done.len() as u64 + 1, true), "{id}");
+        done.push((result.effective_cycle, planned));
+    }
+    let rest = stream.motion().last_cycle();
+    let digest = play_to(&mut stream, rest).await;
+    let (_, replayed, motion) = replay(&plan, &done, stream.buffer().executed());
+    assert_eq!(digest, replayed);
+    assert_eq!(stream.motion().under_way, motion);
+    assert!(motion.base_time().is_some());
+    stream.operate(Operation::now("late", append(14, 15))).await;
+    assert_eq!(answered(&mut stream, "late").await.unwrap_err().reason, Reason::AppendTooLate);
 }
 
 #[tokio::test]

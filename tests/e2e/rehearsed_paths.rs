@@ -19,13 +19,13 @@ fn limits() -> LimitsSpec {
 
 /// How the two axes go together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+pub(crate) enum Kind {
     Time,
     Line,
     Points,
 }
 
-fn opened(kind: Kind) -> Accepted {
+pub(crate) fn opened(kind: Kind) -> Accepted {
     let plan = match kind {
         Kind::Time => {
             moved(Synchronization::Time, State { velocity: 0.05, acceleration: 0.4, ..State::at_rest(0.3) })
@@ -63,7 +63,7 @@ fn target(axis: usize, point: usize) -> (f64, f64) {
     (size * (1.0 - (2.5 * t).cos()), size * 2.5 * (2.5 * t).sin())
 }
 
-fn points(from: usize, to: usize) -> Points {
+pub(crate) fn points(from: usize, to: usize) -> Points {
     let axes = ["x", "y"].iter().enumerate().map(|(axis, name)| AxisPoints {
         axis: (*name).into(),
         times: (1..=to - from).map(|point| BEAT * point as f64).collect(),
@@ -73,7 +73,7 @@ fn points(from: usize, to: usize) -> Points {
     Points { axes: axes.collect(), last: false }
 }
 
-const FIRST_POINTS: usize = 8;
+pub(crate) const FIRST_POINTS: usize = 8;
 
 fn through_points() -> planner::Plan {
     let axes =
