@@ -1,10 +1,12 @@
 //! Operations on a motion under way.
 
+use std::path::PathBuf;
+
 use clap::{Args, Subcommand};
 
 use super::endpoint;
 
-/// Hold, resume, slow down, send elsewhere or stop a motion that an axis is playing.
+/// Hold, resume, slow down, send elsewhere, extend or stop a motion that an axis is playing.
 ///
 /// The axis forwards it to the planner that serves its stream, and the answer comes when the axis plays by it.
 #[derive(Debug, Args)]
@@ -17,6 +19,7 @@ Examples:
   portamento command resume --axis http://127.0.0.1:50052
   portamento command override 0.5 --stream cell-7/x
   portamento command retarget x=0.02 y=-0.1
+  portamento command append more.csv
   portamento command stop --not-before 12000")]
 pub(crate) struct CommandArgs {
     #[command(subcommand)]
@@ -56,6 +59,15 @@ pub(crate) enum Order {
         /// Axis and position [u], as x=0.02.
         #[arg(required = true, value_name = "AXIS=POSITION", value_parser = goal)]
         goals: Vec<(String, f64)>,
+    },
+    /// Go on through further points, for a motion through points, until it begins to stop.
+    Append {
+        /// Points as a table in CSV, as `portamento pvt --points` reads them; times count from the last point so far.
+        #[arg(value_name = "FILE.csv")]
+        points: PathBuf,
+        /// Come to rest at the last of them.
+        #[arg(long)]
+        last: bool,
     },
     /// Come to rest and forget the rest of the motion.
     Stop,

@@ -1,6 +1,8 @@
+use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use planner::State;
+use planner::motion::{AxisPoints, Points};
+use planner::{AxisKind, LimitsSpec, PvtAxisSpec, State};
 use proto::pb;
 use proto::stream::{Ask, GoalSpec, Operation, OperationResult};
 use sim_axis::RemoteAxis;
@@ -8,13 +10,14 @@ use sim_axis::RemoteAxis;
 use crate::args::{CommandArgs, Order};
 use crate::failure::Failure;
 use crate::show::paint::{Screen, wrapped};
+use crate::source::PointTable;
 
 /// `portamento command`
 pub(crate) fn run(args: &CommandArgs, screen: &mut Screen<'_>) -> Result<(), Failure> {
     let operation = Operation {
         request_id: args.request_id.clone().unwrap_or_else(fresh_id),
         not_before_cycle: args.not_before,
-        ask: Some(ask(&args.order)),
+        ask: Some(ask(&args.order)?),
     };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let runtime = runtime.map_err(|error| Failure::Internal(error.to_string()))?;
@@ -31,8 +34,8 @@ pub(crate) fn run(args: &CommandArgs, screen: &mut Screen<'_>) -> Result<(), Fai
     Ok(())
 }
 
-fn ask(order: &Order) -> Ask {
-    match order {
+fn ask(order: &Order) -> Result<Ask, Failure> {
+    Ok(match order {
         Order::Hold => Ask::Hold,
         Order::Resume => Ask::Resume,
         Order::Override { factor } => Ask::Override(*factor),
@@ -44,8 +47,21 @@ fn ask(order: &Order) -> Ask {
             };
             Ask::Retarget(goals.iter().map(goal).collect())
         }
+        Order::Append { points, last } => Ask::Append(Points { axes: read_points(points)?, last: *last }),
         Order::Stop => Ask::Stop,
-    }
+    })
+}
+
+/// Limits and kinds are those of the motion.
+fn read_points(path: &Path) -> Result<Vec<AxisPoints>, Failure> {
+    let axes = PointTable::read(path)?.axes(&LimitsSpec::default(), AxisKind::Prismatic);
+    let points = axes.into_iter().map(|PvtAxisSpec { axis, times, positions, velocities, .. }| AxisPoints {
+        axis,
+        times,
+        positions,
+        velocities,
+    });
+    Ok(points.collect())
 }
 
 /// What became of it, in one line.
@@ -56,6 +72,7 @@ fn said(order: &Order, result: &OperationResult) -> String {
         Order::Resume => "goes on".to_owned(),
         Order::Override { factor } => format!("goes at {factor} of its feed rate"),
         Order::Retarget { .. } => "goes to the new goals".to_owned(),
+        Order::Append { .. } => "goes on through the new points".to_owned(),
         Order::Stop => "stops".to_owned(),
     };
     let path = if *on_path { "on its path" } else { "off its path" };
