@@ -3,7 +3,8 @@
 //! ```text
 //! cargo bench -p portamento-planner --bench splice
 //! ```
-//! One iteration is one splice: of one axis, of six that go their own ways, and of six on a straight line. Beside it what the peer
+//! One iteration is one splice: of one axis, of six that go their own ways, of six on a straight line, and of six that arrive together,
+//! which are re-timed on their path. Beside it what the peer
 //! takes to plan six axes from the same states, without a judge, and our own judge alone.
 
 #![allow(
@@ -17,12 +18,15 @@ mod common;
 
 use std::hint::black_box;
 
-use common::motions::Opening;
+use common::motions::{NAMES, Opening};
 use common::peer::{self, Peer};
 use common::states::Question;
 use criterion::{Criterion, criterion_group, criterion_main};
 use planner::motion::{AxisGoal, Motion, Operation, Override};
-use planner::{BoundsSpec, Family, LimitsSpec, State, certify};
+use planner::{
+    AxisKind, AxisMoveSpec, BoundsSpec, Family, Judged, LimitsSpec, Request, RequestSpec, ShortPathPolicy,
+    State, Synchronization, certify,
+};
 
 /// Half a metre or so from zero, each axis another way.
 fn opening(axes: usize, line: bool) -> Opening {
@@ -40,6 +44,30 @@ fn opening(axes: usize, line: bool) -> Opening {
     Opening { axes, family: Family::SCurve, order: None, cycle_time_ns: 1_000_000, line }
 }
 
+/// The same, at one time: all move at full speed, so each is slowed in its own way.
+fn together() -> Motion {
+    let axes = opening(6, false).axes.into_iter().zip(NAMES).enumerate();
+    let axes = axes.map(|(index, ((start, goal, limits), name))| AxisMoveSpec {
+        axis: name.into(),
+        kind: Ok(AxisKind::Prismatic),
+        start,
+        goal: State::at_rest(goal.position * (1.0 - 0.05 * index as f64)),
+        limits,
+    });
+    let spec = RequestSpec {
+        axes: axes.collect(),
+        cycle_time_ns: None,
+        family: Ok(Family::SCurve),
+        order: None,
+        short_path: Ok(ShortPathPolicy::Reject),
+        synchronization: Ok(Synchronization::Time),
+        minimum_duration: None,
+        end_on_cycle: false,
+    };
+    let judged = Judged::answer(&Request::try_from(spec).unwrap()).unwrap();
+    Motion::open(judged.accepted().unwrap()).unwrap()
+}
+
 /// While it speeds up.
 const AT: u64 = 200;
 
@@ -53,8 +81,13 @@ fn retarget(motion: &Motion, factor: f64) -> Operation {
 }
 
 fn splice(criterion: &mut Criterion) {
-    for (name, axes, line) in [("1_axis", 1, false), ("6_axes", 6, false), ("6_axes_on_a_line", 6, true)] {
-        let motion = opening(axes, line).motion();
+    let cases = [
+        ("1_axis", opening(1, false).motion(), false),
+        ("6_axes", opening(6, false).motion(), true),
+        ("6_axes_on_a_line", opening(6, true).motion(), false),
+        ("6_axes_together", together(), false),
+    ];
+    for (name, motion, beside_the_peer) in cases {
         let held = motion.splice(AT, &Operation::Hold).unwrap().motion;
         let operations = [
             ("hold", &motion, Operation::Hold),
@@ -69,8 +102,10 @@ fn splice(criterion: &mut Criterion) {
             });
         }
         group.bench_function("judge_alone", |bencher| bencher.iter(|| certify(black_box(motion.plan()))));
-        if !line {
-            let questions: Vec<_> = (0..axes).map(|axis| peer::question(&question(&motion, axis))).collect();
+        if beside_the_peer {
+            let questions: Vec<_> = (0..motion.plan().axes().len())
+                .map(|axis| peer::question(&question(&motion, axis)))
+                .collect();
             let mut peer = Peer::new();
             group.bench_function("rsruckig_without_a_judge", |bencher| {
                 bencher.iter(|| {
