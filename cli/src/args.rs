@@ -108,10 +108,14 @@ Examples:
     portamento plan --distance 0.01 --start-velocity 0.2 \\
         --start-acceleration 2 --max-velocity 0.25 --max-acceleration 3 \\
         --max-jerk 100 --short-path reverse
-  Several axes, from a file such as this one:
+  Several axes that arrive together, one of them in motion, no earlier than
+  after 0.8 s and on a cycle, from a file such as this one (_PHASE: on a
+  straight line; _NONE: each as fast as it can):
     portamento plan --request request.json
-    {\"synchronization\": \"SYNCHRONIZATION_NONE\", \"axes\": [
+    {\"synchronization\": \"SYNCHRONIZATION_TIME\",
+     \"minimumDuration\": \"0.8s\", \"endOnCycle\": true, \"axes\": [
       {\"axis\": \"x\", \"kind\": \"AXIS_KIND_PRISMATIC\",
+       \"start\": {\"velocity\": 0.1, \"acceleration\": 0.5},
        \"goal\": {\"position\": 0.05}, \"limits\": {\"maxVelocity\": 0.25,
        \"maxAcceleration\": 3, \"maxJerk\": 100}},
       {\"axis\": \"c\", \"kind\": \"AXIS_KIND_REVOLUTE\",

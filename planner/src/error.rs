@@ -81,6 +81,16 @@ pub enum Why {
         /// The value \[s\].
         given: f64,
     },
+    /// A duration whose parts contradict each other.
+    #[error(
+        "is {seconds} s and {nanos} ns: give both parts one sign, and less than 1000000000 ns beside the seconds"
+    )]
+    DurationParts {
+        /// The whole seconds \[s\].
+        seconds: i64,
+        /// The rest \[ns\].
+        nanos: i32,
+    },
     /// A speed backward with a sign.
     #[error("is {}: a limit is a magnitude, so leave the sign out; 0 forbids to go back", Shortest(*.given))]
     NegativeReverse {

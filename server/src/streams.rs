@@ -112,7 +112,7 @@ fn older(stream: &str, given: u64, current: u64) -> Rejected {
 
 fn too_many(most: usize) -> Rejected {
     let text = format!("{most} streams are open, as many as this server takes: close one, or open elsewhere");
-    Rejected::new(Reason::TooManyStreams, text).with("allowed", most)
+    Rejected::new(Reason::TooManyStreams, text).with("given", most + 1).with("allowed", most)
 }
 
 fn not_here(stream: &str) -> Rejected {
