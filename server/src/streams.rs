@@ -134,3 +134,15 @@ fn not_confirmed(stream: &str) -> Rejected {
     );
     Rejected::new(Reason::NotConfirmed, text)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_many_streams_are_counted() {
+        let rejected = too_many(10);
+        let figures = ["given", "allowed"].map(|key| rejected.metadata[key].as_str());
+        assert_eq!((rejected.reason, figures), (Reason::TooManyStreams, ["11", "10"]));
+    }
+}

@@ -16,4 +16,5 @@ mod plan_then_stream;
 mod pvt;
 mod rehearsed;
 mod standing_services;
+mod synchronised;
 mod tracking;

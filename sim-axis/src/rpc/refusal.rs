@@ -86,3 +86,20 @@ fn unsuitable(axis: &str, cause: &InvalidConfig, named: &[String]) -> Rejected {
         _ => rejected,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_substep_that_does_not_divide_is_that_of_the_model_where_the_request_brings_one() {
+        let cause = InvalidConfig::SubstepDoesNotDivide { cycle: 1e-3, substep: 7e-5, nearest: 1e-3 / 14.0 };
+        let named = ["x".to_owned(), "y".to_owned()];
+        for (axis, field) in [("y", "models[1].servo.substep"), ("z", "plan.cycle_time")] {
+            let rejected = unsuitable(axis, &cause, &named);
+            assert_eq!((rejected.reason, rejected.fields[0].field.as_str()), (Reason::CycleTimeInvalid, field));
+            assert_eq!(rejected.metadata["given"], "0.00007");
+            assert!(rejected.metadata["nearest"].starts_with("0.0000714285714285714"));
+        }
+    }
+}
