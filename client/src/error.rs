@@ -1,8 +1,8 @@
 use std::fmt::Display;
 
 use prost::Message;
-use proto::{Reason, Rejected};
 use proto::stream::Refused;
+use proto::{Reason, Rejected};
 use tonic::{Code, Status};
 
 /// Why an answer is none, by who has to act.

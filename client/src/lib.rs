@@ -184,9 +184,7 @@ impl Client {
     }
 
     fn answer<T>(&self, response: Result<tonic::Response<T>, tonic::Status>) -> Result<T, Error> {
-        response
-            .map(tonic::Response::into_inner)
-            .map_err(|status| Error::of_planner(&self.endpoint, &status))
+        response.map(tonic::Response::into_inner).map_err(|status| Error::of_planner(&self.endpoint, &status))
     }
 }
 

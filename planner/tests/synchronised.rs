@@ -190,7 +190,11 @@ fn order_two_needs_no_jerk() {
     let without = LimitsSpec { max_jerk: 0.0, max_deceleration: Some(3.0), ..limits() };
     let asked = |family, order, limits: &LimitsSpec| {
         let axes = vec![(State::at_rest(0.0), State::at_rest(0.2), limits.clone())];
-        answered(RequestSpec { order, cycle_time_ns: Some(2_000_000), ..spec(axes, family, Synchronization::None) })
+        answered(RequestSpec {
+            order,
+            cycle_time_ns: Some(2_000_000),
+            ..spec(axes, family, Synchronization::None)
+        })
     };
     let symmetric = LimitsSpec { max_deceleration: None, ..without.clone() };
     for (family, order, limits, hardest) in
@@ -204,7 +208,9 @@ fn order_two_needs_no_jerk() {
         let stated = asked(family, order, &LimitsSpec { max_jerk: 7.0, ..limits.clone() }).unwrap();
         assert_eq!(stated.plan().axes()[0].profile, judged.plan().axes()[0].profile, "{family:?}");
     }
-    for (family, order) in [(Family::SCurve, None), (Family::Polynomial, Some(3)), (Family::Trigonometric, None)] {
+    for (family, order) in
+        [(Family::SCurve, None), (Family::Polynomial, Some(3)), (Family::Trigonometric, None)]
+    {
         let refused = asked(family, order, &without).unwrap_err().to_string();
         assert!(refused.contains("axes[0].limits.max_jerk: is 0"), "{family:?}: {refused}");
     }

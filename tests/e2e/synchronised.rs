@@ -10,11 +10,8 @@ use proto::{Digest, Reason};
 use super::operations::{answered, play_to};
 
 /// Of how far each goes, its velocity and its acceleration at the start \[1\]: on one line, so that both kinds can be asked.
-const SHARES: [(&str, AxisKind, f64); 3] = [
-    ("x", AxisKind::Prismatic, 1.0),
-    ("y", AxisKind::Prismatic, -0.5),
-    ("c", AxisKind::Revolute, 15.0),
-];
+const SHARES: [(&str, AxisKind, f64); 3] =
+    [("x", AxisKind::Prismatic, 1.0), ("y", AxisKind::Prismatic, -0.5), ("c", AxisKind::Revolute, 15.0)];
 
 fn three_axes(synchronization: Synchronization) -> RequestSpec {
     let axis = |(name, kind, share): (&str, AxisKind, f64)| AxisMoveSpec {

@@ -4,8 +4,8 @@ use std::io;
 
 use planner::{
     Adjustment, AdjustmentReason, AsymmetricType, AxisKind, AxisPlan, Certificate, Classification, EightType,
-    EndCheck, Explanation, Family, InvalidFields, JoinCheck, Judged, Law, LimitCheck, Method, Plan, PvtInterpolation,
-    PvtMethod, Quantity, SixCase, Synchronization, Violation,
+    EndCheck, Explanation, Family, InvalidFields, JoinCheck, Judged, Law, LimitCheck, Method, Plan,
+    PvtInterpolation, PvtMethod, Quantity, SixCase, Synchronization, Violation,
 };
 
 use crate::show::number::{self, column, counted, exact_column, plain, unit};
@@ -45,7 +45,9 @@ fn pace(plan: &Plan, Explanation { critical_axis, .. }: &Explanation) -> Option<
         }
         Synchronization::Time => format!("All axes arrive together, as soon as axis {axis} can."),
         Synchronization::Phase => {
-            format!("All axes keep to one line, and arrive as soon as that allows; axis {axis} holds it back most.")
+            format!(
+                "All axes keep to one line, and arrive as soon as that allows; axis {axis} holds it back most."
+            )
         }
     })
 }

@@ -14,8 +14,8 @@ use crate::float::{largest, least};
 use crate::segments::Pieces;
 use crate::solve::Piece;
 use crate::{
-    Adjustment, AdjustmentReason, AxisPlan, AxisTransfer, Method, Plan, Profile, PvtMethod, Quantity, Segment,
-    State, Synchronization, Timing, Together, Transit, plan_between, together,
+    Adjustment, AdjustmentReason, AxisPlan, AxisTransfer, Method, Plan, Profile, PvtMethod, Quantity,
+    Segment, State, Synchronization, Timing, Together, Transit, plan_between, together,
 };
 
 /// The pieces of a command with two ramps, neither of which reaches the acceleration limit: what most have.
@@ -458,7 +458,8 @@ fn finish_together(invalid: &mut InvalidFields, drives: &mut [Drive<'_>]) {
         }
         Err(refused) => {
             for InvalidField { field, why } in refused.as_slice() {
-                let of = |number: &usize| field.as_str().starts_with(Field::element("axes", *number).as_str());
+                let of =
+                    |number: &usize| field.as_str().starts_with(Field::element("axes", *number).as_str());
                 let number = (0..moving.len()).find(of).unwrap_or_default();
                 let index = moving[number].0;
                 let refused = InvalidFields::one(Field::default(), why.clone());

@@ -8,8 +8,8 @@ use super::choice::{
     choice_to_wire, interpolation_from_wire, interpolation_to_wire, kind_from_wire, kind_to_wire,
     policy_from_wire, policy_to_wire,
 };
-use super::plan::{REGIONS, adjustment_from_wire, adjustment_to_wire, plan_from_wire, plan_to_wire};
 use super::duration::{after, duration_to_ns, note_malformed, ns_to_duration};
+use super::plan::{REGIONS, adjustment_from_wire, adjustment_to_wire, plan_from_wire, plan_to_wire};
 use crate::pb;
 
 impl From<pb::PvtAxis> for PvtAxisSpec {

@@ -1,4 +1,6 @@
-use planner::{AxisMoveSpec, Field, InvalidFields, Limits, LimitsSpec, Plan, Request, RequestSpec, State, Why};
+use planner::{
+    AxisMoveSpec, Field, InvalidFields, Limits, LimitsSpec, Plan, Request, RequestSpec, State, Why,
+};
 
 use super::choice::{
     choice_to_wire, family_from_wire, family_to_wire, kind_from_wire, kind_to_wire, short_path_from_wire,

@@ -61,7 +61,8 @@ fn unsuitable(axis: &str, cause: &InvalidConfig, named: &[String]) -> Rejected {
     let (field, reason) = match cause {
         InvalidConfig::SubstepDoesNotDivide { .. } => {
             // A model of the simulator's own is no field of the request, and the plan can have another cycle.
-            let field = place().map_or("plan.cycle_time".into(), |index| format!("models[{index}].servo.substep"));
+            let field =
+                place().map_or("plan.cycle_time".into(), |index| format!("models[{index}].servo.substep"));
             (field, Reason::CycleTimeInvalid)
         }
         InvalidConfig::Cycle { .. } => ("plan.cycle_time".into(), Reason::CycleTimeInvalid),
@@ -97,7 +98,10 @@ mod tests {
         let named = ["x".to_owned(), "y".to_owned()];
         for (axis, field) in [("y", "models[1].servo.substep"), ("z", "plan.cycle_time")] {
             let rejected = unsuitable(axis, &cause, &named);
-            assert_eq!((rejected.reason, rejected.fields[0].field.as_str()), (Reason::CycleTimeInvalid, field));
+            assert_eq!(
+                (rejected.reason, rejected.fields[0].field.as_str()),
+                (Reason::CycleTimeInvalid, field)
+            );
             assert_eq!(rejected.metadata["given"], "0.00007");
             assert!(rejected.metadata["nearest"].starts_with("0.0000714285714285714"));
         }

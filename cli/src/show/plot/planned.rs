@@ -50,7 +50,9 @@ pub(crate) fn of_plan(plan: &Plan) -> Figure {
             let together = match plan.method().synchronization {
                 _ if plan.method().pvt.is_some() || critical.is_empty() => format!("{axes} axes"),
                 Synchronization::None => format!("{axes} axes; {name} takes longest"),
-                Synchronization::Time => format!("{axes} axes that arrive together, {name} as fast as it can"),
+                Synchronization::Time => {
+                    format!("{axes} axes that arrive together, {name} as fast as it can")
+                }
                 Synchronization::Phase => format!("{axes} axes on one line, which {name} holds back most"),
             };
             (format!("{together}; {name}: {shape}"), format!("phase of {name}"))
