@@ -229,8 +229,8 @@ fn a_plan_that_is_finished_together_at_speed_comes_back() {
     assert!(judged.judged().certificate().passed());
     let wire = pvt_to_wire(&judged);
     for axis in &wire.plan.as_ref().unwrap().axes {
-        let reasons: Vec<_> = axis.adjustments.iter().map(|adjustment| adjustment.reason()).collect();
-        assert_eq!(reasons, [pb::AdjustmentReason::PvtFinishedLate], "{}", axis.axis);
+        let reasons: Vec<_> = axis.adjustments.iter().map(|adjustment| adjustment.reason.as_str()).collect();
+        assert_eq!(reasons, ["PVT_FINISHED_LATE"], "{}", axis.axis);
     }
     assert_eq!(pvt_from_wire(wire).unwrap(), judged);
     let (stopped, _) = judged.judged().plan().with_closing_stop().unwrap().unwrap();

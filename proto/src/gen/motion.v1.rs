@@ -581,7 +581,7 @@ pub struct PlanPvtRequest {
     #[prost(enumeration = "PvtPolicy", tag = "4")]
     pub policy: i32,
     /// After the last point, go on to its position and velocity without regard to time, if they were
-    /// not reached.
+    /// not reached. Where some axis of several ends at speed, all that move then arrive together.
     #[prost(bool, tag = "5")]
     pub finish_unreached: bool,
 }
