@@ -1,6 +1,7 @@
 //! What the judge says of a motion, quantity by quantity.
 
 use alloc::string::String;
+use alloc::vec::Vec;
 
 use super::LIMIT_TOLERANCE;
 use crate::{Quantity, Shortest};
