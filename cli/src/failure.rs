@@ -104,6 +104,7 @@ impl From<client::Error> for Failure {
             client::Error::Address { endpoint, cause } | client::Error::Unreachable { endpoint, cause } => {
                 Self::Unreachable { endpoint, cause }
             }
+            client::Error::NotServed { .. } => Self::Usage(error.to_string()),
             client::Error::TooLarge { .. } | client::Error::Protocol(_) => Self::Internal(error.to_string()),
         }
     }

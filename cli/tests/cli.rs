@@ -499,3 +499,51 @@ fn what_cannot_be_compared_is_refused() {
     let ran = compare(&long).with(3);
     assert!(ran.err.contains("TOO_MANY_CYCLES") && ran.err.contains("600000"), "{}", ran.err);
 }
+
+/// Which axis sets the pace, in words and in the figure; of axes that wait for a clock none does.
+#[test]
+fn several_axes_say_who_sets_the_pace() {
+    let axis = |name: &str, far: f64| {
+        json!({"axis": name, "kind": "AXIS_KIND_PRISMATIC", "goal": {"position": far},
+            "start": {"velocity": far, "acceleration": 5.0 * far},
+            "limits": {"maxVelocity": 0.25, "maxAcceleration": 3, "maxJerk": 100}})
+    };
+    let ask = |synchronization: &str, minimum: &str| {
+        let request = json!({"synchronization": synchronization, "minimumDuration": minimum,
+            "axes": [axis("x", 0.05), axis("y", 0.1)]});
+        portamento(&["plan", "--request", "-"], request.to_string())
+            .with(0)
+            .out
+            .lines()
+            .nth(1)
+            .unwrap()
+            .to_owned()
+    };
+    let rows = [
+        ("SYNCHRONIZATION_NONE", "0s", "Axis y takes longest."),
+        ("SYNCHRONIZATION_TIME", "0s", "All axes arrive together, as soon as axis y can."),
+        (
+            "SYNCHRONIZATION_PHASE",
+            "0s",
+            "All axes keep to one line, and arrive as soon as that allows; axis y holds it",
+        ),
+        (
+            "SYNCHRONIZATION_TIME",
+            "2s",
+            "All axes arrive together, later than they could: as late as was asked for.",
+        ),
+    ];
+    for (synchronization, minimum, said) in rows {
+        assert_eq!(ask(synchronization, minimum), said, "{synchronization}, {minimum}");
+    }
+}
+
+#[test]
+fn order_two_needs_no_jerk() {
+    let limits = ["--distance", "0.05", "--max-velocity", "0.25", "--max-acceleration", "3", "--json"];
+    let plan = |family: &str| portamento(&[&["plan", "--family", family], &limits[..]].concat(), "");
+    let planned = plan("trapezoidal").with(0).json();
+    assert_eq!(planned["plan"]["axes"][0]["limits"]["maxJerk"], 3000.0);
+    let refused = plan("s-curve").with(2);
+    assert!(refused.err.contains("--max-jerk is missing"), "{}", refused.err);
+}

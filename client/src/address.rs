@@ -12,6 +12,10 @@ pub fn address(endpoint: &str) -> Result<Endpoint, Error> {
     let uri = if endpoint.contains("://") { endpoint.into() } else { format!("http://{endpoint}") };
     let address = Endpoint::from_shared(uri)
         .map_err(|error| invalid(proto::unreachable(&error).message().to_owned()))?;
+    // A word alone is a slip of the finger rather than a host: with a scheme, port 80 is meant.
+    if !endpoint.contains("://") && address.uri().port_u16().is_none() {
+        return Err(invalid("it names no port".into()));
+    }
     match (address.uri().scheme_str(), address.uri().host()) {
         (Some("http"), Some(host)) if !host.is_empty() => Ok(address),
         (Some("https"), _) => Err(invalid("encryption is not offered yet".into())),
@@ -36,6 +40,8 @@ mod tests {
             ("https://planner:443", "encryption is not offered yet"),
             ("ftp://planner:21", "the scheme is ftp"),
             ("http://:50051", "it names no host"),
+            ("foo", "it names no port"),
+            ("127.0.0.1", "it names no port"),
         ];
         for (bad, said) in rows {
             let Err(error) = address(bad) else { panic!("{bad:?} is no address") };

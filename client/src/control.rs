@@ -29,6 +29,8 @@ fn asks_elsewhere(error: &Error) -> bool {
         Error::Rejected(rejected) => {
             matches!(rejected.reason, Reason::StreamNotHere | Reason::Draining)
         }
-        Error::Address { .. } | Error::TooLarge { .. } | Error::Protocol(_) => false,
+        Error::Address { .. } | Error::TooLarge { .. } | Error::NotServed { .. } | Error::Protocol(_) => {
+            false
+        }
     }
 }

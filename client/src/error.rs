@@ -1,8 +1,8 @@
 use std::fmt::Display;
 
 use prost::Message;
-use proto::Rejected;
 use proto::stream::Refused;
+use proto::{Reason, Rejected};
 use tonic::{Code, Status};
 
 /// Why an answer is none, by who has to act.
@@ -37,6 +37,15 @@ pub enum Error {
         /// What the network says.
         cause: String,
     },
+    /// Yours to mend: somebody answers at the address, and does not know the call.
+    #[error(
+        "{endpoint} answers, and does not serve what was asked: name a planner for plans and streams, an axis to track or \
+         command one, and compare versions"
+    )]
+    NotServed {
+        /// Where.
+        endpoint: String,
+    },
     /// Ours to mend: an answer that is not of the protocol.
     #[error("the server broke the protocol: {0}")]
     Protocol(String),
@@ -53,11 +62,24 @@ impl Error {
             Code::Unavailable | Code::DeadlineExceeded | Code::Cancelled | Code::Unknown => {
                 Self::Unreachable { endpoint: endpoint.into(), cause: status.message().into() }
             }
+            // A service that knows the call and cannot do it yet says so with a reason.
+            Code::Unimplemented => Self::NotServed { endpoint: endpoint.into() },
             // A server says so with a reason; without one it is this side that has measured.
             Code::OutOfRange if status.message().contains("message length too large") => {
                 Self::TooLarge { endpoint: endpoint.into(), cause: status.message().into() }
             }
             code => Self::Protocol(format!("{}: {}", proto::code_name(code), status.message())),
+        }
+    }
+
+    /// As [`from_status`](Self::from_status), of a call that every planner serves: who does not is none.
+    pub(crate) fn of_planner(endpoint: &str, status: &Status) -> Self {
+        match Self::from_status(endpoint, status) {
+            error @ Self::NotServed { .. } => {
+                let rejected = Rejected::new(Reason::NotAPlanner, error.to_string());
+                Self::Rejected(Box::new(rejected.with("endpoint", endpoint)))
+            }
+            error => error,
         }
     }
 

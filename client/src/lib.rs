@@ -184,9 +184,7 @@ impl Client {
     }
 
     fn answer<T>(&self, response: Result<tonic::Response<T>, tonic::Status>) -> Result<T, Error> {
-        response
-            .map(tonic::Response::into_inner)
-            .map_err(|status| Error::from_status(&self.endpoint, &status))
+        response.map(tonic::Response::into_inner).map_err(|status| Error::of_planner(&self.endpoint, &status))
     }
 }
 
@@ -204,7 +202,7 @@ impl Samples {
     /// A server that is gone, or that sends columns of different lengths.
     pub async fn next(&mut self) -> Result<Option<Chunk>, Error> {
         let message = self.incoming.message().await;
-        let message = message.map_err(|status| Error::from_status(&self.endpoint, &status))?;
+        let message = message.map_err(|status| Error::of_planner(&self.endpoint, &status))?;
         let Some(pb::SamplePlanResponse { first_cycle, columns, digest }) = message else { return Ok(None) };
         let columns = Columns::try_from(columns.unwrap_or_default()).map_err(Error::unreadable)?;
         Ok(Some(Chunk { first_cycle, columns, digest: Digest::from(digest) }))

@@ -33,7 +33,7 @@ pub(crate) async fn open(
     let gone = || Error::Protocol("the stream ended before it began".into());
     outgoing.send(first).await.map_err(|_| gone())?;
     let response = setpoints.stream_setpoints(ReceiverStream::new(requests)).await;
-    let incoming = response.map_err(|status| Error::from_status(endpoint, &status))?.into_inner();
+    let incoming = response.map_err(|status| Error::of_planner(endpoint, &status))?.into_inner();
     Ok((Reports { outgoing }, Link { endpoint: endpoint.into(), incoming }))
 }
 
@@ -56,7 +56,7 @@ impl Link {
     /// [`Error::Rejected`] where the server ends the stream for a reason, [`Error::Unreachable`] where it is gone.
     pub async fn next(&mut self) -> Result<Option<(u64, ToAxis)>, Error> {
         let message = self.incoming.message().await;
-        let message = message.map_err(|status| Error::from_status(&self.endpoint, &status))?;
+        let message = message.map_err(|status| Error::of_planner(&self.endpoint, &status))?;
         message.map(proto::response_from_wire).transpose().map_err(Error::unreadable)
     }
 }

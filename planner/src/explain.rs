@@ -4,15 +4,19 @@ use alloc::vec::Vec;
 use crate::float::least;
 use crate::plan::{AxisPlan, Plan};
 use crate::transfer::is_same_time;
-use crate::{Law, Limits, Quantity, Segment};
+use crate::{Law, Limits, Quantity, Segment, Synchronization};
 
+/// Of the duration of a plan \[1\]: what may be held back by nothing in a motion that is as fast as it can be, since a piece that is all
+/// rounding is.
+const FREE_SLACK: f64 = 1e-6;
 /// Of a limit \[1\]: this near to it counts as held back by it.
 const BINDING_SLACK: f64 = 1e-9;
 
 /// Why a plan lasts as long as it does.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Explanation {
-    /// The axis that sets the duration.
+    /// The axis that sets the duration. Empty of axes that arrive together where none does, but a least duration or a whole number of
+    /// cycles.
     pub critical_axis: String,
     /// Which limit holds the motion back, when; in order of time for each axis.
     pub bindings: Vec<Binding>,
@@ -32,8 +36,8 @@ pub struct Binding {
 }
 
 /// Says which limits a plan reaches, when, and which axis takes longest: of those that arrive together, the one that limits hold back most of
-/// the time. A plan through points takes as long as they say: no limit
-/// holds it back.
+/// the time. As fast as it can be is a motion that some limit holds back at every instant: its own, or on a line that of any axis. A plan
+/// through points takes as long as they say: no limit holds it back.
 #[must_use]
 pub fn explain(plan: &Plan) -> Explanation {
     let bindings: Vec<Binding> = match plan.method().pvt {
@@ -52,7 +56,30 @@ pub fn explain(plan: &Plan) -> Explanation {
         Some(other) if !is_same_time(lasts(other), lasts(axis)) && lasts(other) > lasts(axis) => slowest,
         _ => Some(axis),
     });
-    Explanation { critical_axis: slowest.map(|axis| axis.axis.clone()).unwrap_or_default(), bindings }
+    let sets_the_pace = |axis: &AxisPlan| match plan.method().synchronization {
+        _ if plan.method().pvt.is_some() || plan.axes().len() < 2 => true,
+        Synchronization::None => true,
+        Synchronization::Time => held_back(axis) >= lasts(axis) * (1.0 - FREE_SLACK),
+        Synchronization::Phase => covered(&bindings) >= lasts(axis) * (1.0 - FREE_SLACK),
+    };
+    let critical_axis =
+        slowest.filter(|axis| sets_the_pace(axis)).map(|axis| axis.axis.clone()).unwrap_or_default();
+    Explanation { critical_axis, bindings }
+}
+
+/// For how long some limit of some axis holds the motion back \[s\].
+fn covered(bindings: &[Binding]) -> f64 {
+    let mut spans: Vec<(f64, f64)> =
+        bindings.iter().map(|binding| (binding.from_time, binding.to_time)).collect();
+    spans.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
+    let (mut sum, mut until) = (0.0, 0.0);
+    for (from, to) in spans {
+        if to > until {
+            sum += to - if from > until { from } else { until };
+            until = to;
+        }
+    }
+    sum
 }
 
 fn bindings(axis: &AxisPlan) -> Vec<Binding> {

@@ -149,8 +149,6 @@ mod together;
 mod transfer;
 mod trigonometric;
 mod verify;
-mod verify_led_back;
-mod verify_transfer;
 
 pub use answer::{classified_again, plan};
 pub use certified::{Accepted, Judged, JudgedPvt, Rejection};
@@ -189,9 +187,8 @@ pub use transfer::{
 pub use trigonometric::plan_trigonometric;
 pub use verify::{
     Certificate, EndCheck, JOIN_TOLERANCE, JoinCheck, LIMIT_TOLERANCE, LimitCheck, Violation, certify,
-    certify_against, violations,
+    certify_against, transfer_violations, violations,
 };
-pub use verify_transfer::transfer_violations;
 
 /// Names the bits that a plan samples to: replicas with the same number give the same setpoints for the same plan.
 ///

@@ -2,7 +2,8 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidFields, Why};
-use crate::limits::not_finite;
+use crate::float::{largest, least};
+use crate::limits::{GREATEST_MAGNITUDE, not_finite, not_positive};
 use crate::problem::is_along_travel;
 use crate::solve::note_speeds;
 use crate::{CycleTime, Limits, LimitsSpec, Passage, Problem, ShortPathPolicy, State};
@@ -30,7 +31,7 @@ pub enum Family {
     #[default]
     SCurve,
     /// Second order: constant acceleration in pieces. The acceleration jumps, so no jerk is guaranteed, and the limit on
-    /// it, which every request states, is not used.
+    /// it, which need not be stated, is that of its stops alone.
     Trapezoidal,
     /// Order n, rest to rest.
     Polynomial,
@@ -261,7 +262,13 @@ impl TryFrom<RequestSpec> for Request {
         let mut invalid = InvalidFields::default();
         let several = axes.len() > 1;
         invalid.note("family", family.as_ref().err().cloned());
-        let law = Shape { family: *family.as_ref().unwrap_or(&Family::SCurve), order, end_on_cycle };
+        let cycle_time = CycleTime::from_ns(cycle_time_ns);
+        let law = Shape {
+            family: *family.as_ref().unwrap_or(&Family::SCurve),
+            order,
+            end_on_cycle,
+            cycle: *cycle_time.as_ref().unwrap_or(&CycleTime::MILLISECOND),
+        };
         invalid.note("order", law.wrong_order());
         let minimum_duration = minimum_duration.unwrap_or_default();
         invalid.note("minimum_duration", wrong_duration(minimum_duration));
@@ -272,7 +279,7 @@ impl TryFrom<RequestSpec> for Request {
             "synchronization",
             synchronization.err().or(synchronization_gap(mode, several, law.family)),
         );
-        let cycle_time = invalid.take(&Field::default(), CycleTime::from_ns(cycle_time_ns));
+        let cycle_time = invalid.take(&Field::default(), cycle_time);
         let apart = several && mode == Synchronization::None;
         let axes = checked_axes(&mut invalid, axes, policy, law, apart);
         match cycle_time {
@@ -353,6 +360,7 @@ fn checked_axis(
     law: Shape,
 ) -> Result<AxisMove, InvalidFields> {
     let AxisMoveSpec { axis, kind, start, goal, limits } = spec;
+    let limits = law.with_jerk(limits);
     let mut invalid = InvalidFields::default();
     let kind = kind.map_err(|why| invalid.note("kind", Some(why))).ok();
     let (start, goal) = law.rested(&mut invalid, start, goal);
@@ -392,9 +400,22 @@ struct Shape {
     family: Family,
     order: Option<u32>,
     end_on_cycle: bool,
+    cycle: CycleTime,
 }
 
 impl Shape {
+    /// `limits` with a limit of jerk where order 2, which keeps none, has left it out: stops, holds and what else may
+    /// follow on a stream keep one. The acceleration comes to its limit within a cycle, as it does in the setpoints of such a motion.
+    fn with_jerk(self, limits: LimitsSpec) -> LimitsSpec {
+        let left_out = limits.max_jerk == 0.0 && self.order() == Some(2);
+        // Wrong limits are not the place to take another from.
+        let hardest = largest(limits.max_acceleration, limits.max_deceleration.unwrap_or_default());
+        if !left_out || not_positive(hardest).is_some() {
+            return limits;
+        }
+        LimitsSpec { max_jerk: least(hardest / self.cycle.as_seconds(), GREATEST_MAGNITUDE), ..limits }
+    }
+
     fn order(self) -> Option<u32> {
         self.family.order().or(self.order)
     }

@@ -226,19 +226,22 @@ fn a_finish_that_cannot_be() {
     let said = plan(spec).unwrap_err().to_string();
     assert!(said.starts_with("axes[0].positions[0]: is 0.1, beyond "), "{said}");
     assert!(said.ends_with("end inside the limit or raise limits.max_velocity_reverse"), "{said}");
-    let two = [("x", 0.5), ("y", 0.0)].map(|(name, end)| axis(name, &[0.8], &[0.5], &[end]));
+}
+
+/// It has met its point at speed, and may neither go back nor wait for the other.
+#[test]
+fn a_finish_that_one_axis_cannot_wait_for() {
+    let forward = LimitsSpec { max_velocity_reverse: Some(0.0), ..limits() };
+    let start = State { velocity: 0.5, ..State::default() };
+    let met = PvtAxisSpec { start, limits: forward, ..axis("y", &[0.1], &[0.05], &[0.5]) };
     let spec = PvtRequestSpec {
         policy: Ok(PvtPolicy::PreferVelocity),
         finish_unreached: true,
-        ..request(two.to_vec())
+        ..request(vec![axis("x", &[0.1], &[0.5], &[0.0]), met])
     };
-    check(
-        plan(spec),
-        &[
-            "axes[0].velocities[0]: finishing at speed for one of several axes is not implemented: end every axis at rest, or \
-             leave out finish_unreached",
-        ],
-    );
+    let said = plan(spec).unwrap_err().to_string();
+    assert!(said.starts_with("axes[1].positions[0]: takes at most 0 s, and the motion lasts "), "{said}");
+    assert!(said.ends_with("allow it to go back, or let it arrive by itself"), "{said}");
 }
 
 #[test]

@@ -157,6 +157,41 @@ fn after_the_last_point_the_axis_goes_on_to_it() {
     assert_eq!(planned.plan().axes()[1].adjustments, []);
 }
 
+/// At speed nobody can wait for the others: who had met its point goes on, comes back and passes it again as they arrive.
+#[test]
+fn axes_that_end_at_speed_finish_together() {
+    let start = State { velocity: 0.5, ..State::default() };
+    let met = PvtAxisSpec { start, ..axis("met", &[(0.2, 0.1, 0.5)]) };
+    let axes = vec![
+        axis("far", &[(0.2, 0.5, 0.3)]),
+        met,
+        axis("to rest", &[(0.2, 0.4, 0.0)]),
+        axis("at rest", &[(0.2, 0.01, 0.0)]),
+    ];
+    let spec = PvtRequestSpec { finish_unreached: true, ..request(axes, PvtPolicy::PreferVelocity) };
+    let planned = judged(spec);
+    let lasts = planned.plan().duration();
+    assert!(lasts > 0.5, "{lasts}");
+    let ends = [(0.5, 0.3), (0.1, 0.5), (0.4, 0.0), (0.01, 0.0)];
+    for (axis, (position, velocity)) in planned.plan().axes().iter().zip(ends) {
+        let name = &axis.axis;
+        assert_eq!(axis.profile.end(), State { position, velocity, acceleration: 0.0 }, "{name}");
+        if name == "at rest" {
+            assert_eq!((axis.profile.duration(), axis.adjustments.len()), (0.2, 0));
+            continue;
+        }
+        let duration = axis.profile.duration();
+        assert!((duration - lasts).abs() <= 2.0 * f64::EPSILON * lasts, "{name}: {duration} of {lasts}");
+        let [said] = axis.adjustments[..] else { panic!("{name}: {:?}", axis.adjustments) };
+        assert_eq!((said.quantity, said.reason), (Quantity::Time, AdjustmentReason::PvtFinishedLate));
+        assert_eq!((said.asked, said.planned), (0.2, duration), "{name}");
+    }
+    // The reports are of the points in their time, whatever comes after.
+    let [far, met, _, _] = planned.points() else { panic!("four reports") };
+    assert!(far.position < 0.5 && far.time == 0.2);
+    assert_eq!((met.position, met.velocity, met.adjustments.len()), (0.1, 0.5, 0));
+}
+
 /// Two reversals where none was asked for, and limits broken, which the certificate shows and does not count.
 #[test]
 fn polynomials_meet_every_point_and_keep_no_limit() {

@@ -181,8 +181,8 @@ fn several_refusals_in_one_text() {
 #[test]
 fn everything_that_is_wrong_is_said_at_once() {
     let mut first = axis("x", moving(f64::INFINITY, 0.0));
-    first.limits.max_jerk = 0.0;
     first.limits.max_velocity = -1.0;
+    first.limits.max_jerk = -2.0;
     first.limits.min_position = Some(1.0);
     first.limits.max_position = Some(0.0);
     first.limits.feed_rate = Some(f64::NAN);
@@ -213,7 +213,7 @@ fn everything_that_is_wrong_is_said_at_once() {
             "cycle_time: is -5 ns: a cycle lasts from 10000 to 1000000000 ns",
             "axes[1].axis: the name \"x\" is taken by an axis before it: give every axis a name of its own",
             "axes[0].limits.max_velocity: is -1: a limit is a magnitude, at least 1e-60; its sign is not needed",
-            "axes[0].limits.max_jerk: is 0: a limit is a magnitude, at least 1e-60; its sign is not needed",
+            "axes[0].limits.max_jerk: is -2: a limit is a magnitude, at least 1e-60; its sign is not needed",
             "axes[0].limits.feed_rate: is NaN: give a finite number of at most 1e60 in magnitude",
             "axes[0].limits.max_position: the range from 1 to 0 is empty: exchange min_position and max_position",
             "axes[0].goal.position: is inf: give a finite number of at most 1e60 in magnitude",

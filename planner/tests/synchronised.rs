@@ -150,6 +150,72 @@ fn a_minimum_duration_and_an_end_on_a_cycle() {
     }
 }
 
+/// Who sets the pace is held back at every instant; where a least duration does, nobody is.
+#[test]
+fn who_sets_the_pace_is_said() {
+    let moving = |velocity: f64, acceleration: f64| State { position: 0.0, velocity, acceleration };
+    let axes = || {
+        vec![
+            (moving(0.1, 0.5), State::at_rest(0.2), limits()),
+            (moving(0.2, 1.0), State::at_rest(0.4), limits()),
+            (moving(0.1, 0.5), State::at_rest(0.2), LimitsSpec { max_jerk: 5.0, ..limits() }),
+        ]
+    };
+    // The second goes farthest, and takes longest alone. On the line it holds back the cruise, and the third, with a quarter of the jerk,
+    // the ramps, which are longer.
+    for (synchronization, critical) in
+        [(Synchronization::None, "y"), (Synchronization::Time, "y"), (Synchronization::Phase, "z")]
+    {
+        let judged = answered(spec(axes(), Family::SCurve, synchronization)).unwrap();
+        assert_eq!(judged.explanation().critical_axis, critical, "{synchronization:?}");
+        let least = judged.plan().duration();
+        for (minimum, critical) in [(0.5 * least, critical), (1.5 * least, "")] {
+            let minimum_duration = Some(minimum);
+            let asked = RequestSpec { minimum_duration, ..spec(axes(), Family::SCurve, synchronization) };
+            let said = answered(asked).unwrap().explanation().critical_axis.clone();
+            // Of axes that do not wait for each other one takes longest, whoever asked for that.
+            let critical = if synchronization == Synchronization::None { "y" } else { critical };
+            assert_eq!(said, critical, "{synchronization:?}, {minimum} s");
+        }
+        let on_cycle = RequestSpec { end_on_cycle: true, ..spec(axes(), Family::SCurve, synchronization) };
+        if synchronization != Synchronization::None {
+            assert_eq!(answered(on_cycle).unwrap().explanation().critical_axis, "", "{synchronization:?}");
+        }
+    }
+}
+
+/// Order 2 keeps no jerk: what its stops may have follows from the acceleration and the cycle.
+#[test]
+fn order_two_needs_no_jerk() {
+    let without = LimitsSpec { max_jerk: 0.0, max_deceleration: Some(3.0), ..limits() };
+    let asked = |family, order, limits: &LimitsSpec| {
+        let axes = vec![(State::at_rest(0.0), State::at_rest(0.2), limits.clone())];
+        answered(RequestSpec {
+            order,
+            cycle_time_ns: Some(2_000_000),
+            ..spec(axes, family, Synchronization::None)
+        })
+    };
+    let symmetric = LimitsSpec { max_deceleration: None, ..without.clone() };
+    for (family, order, limits, hardest) in
+        [(Family::Trapezoidal, None, &without, 3.0), (Family::Polynomial, Some(2), &symmetric, 2.0)]
+    {
+        let judged = asked(family, order, limits).unwrap();
+        assert!(judged.certificate().passed(), "{family:?}");
+        let stated = judged.plan().axes()[0].limits.jerk();
+        assert!((stated / (hardest / 0.002) - 1.0).abs() <= f64::EPSILON, "{family:?}: {stated}");
+        // The plan is the one that any other limit gives, and the limit that is stated is kept as it is.
+        let stated = asked(family, order, &LimitsSpec { max_jerk: 7.0, ..limits.clone() }).unwrap();
+        assert_eq!(stated.plan().axes()[0].profile, judged.plan().axes()[0].profile, "{family:?}");
+    }
+    for (family, order) in
+        [(Family::SCurve, None), (Family::Polynomial, Some(3)), (Family::Trigonometric, None)]
+    {
+        let refused = asked(family, order, &without).unwrap_err().to_string();
+        assert!(refused.contains("axes[0].limits.max_jerk: is 0"), "{family:?}: {refused}");
+    }
+}
+
 /// States as they come, in bounds that are drawn with them.
 fn drawn(seed: u64) -> RequestSpec {
     let mut random = Random(seed);

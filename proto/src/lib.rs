@@ -21,8 +21,9 @@ pub mod stream;
 mod transcript;
 
 pub use convert::{
-    Against, accepted, accepted_in, against, misclassified, plan_as_it_is, plan_as_it_is_in, plan_from_wire,
-    plan_in, plan_to_wire, point_to_wire, pvt_from_wire, pvt_to_wire, request_from_wire, request_to_wire,
+    Against, accepted, accepted_in, against, malformed_duration, misclassified, plan_as_it_is,
+    plan_as_it_is_in, plan_from_wire, plan_in, plan_request_from_wire, plan_to_wire, point_to_wire,
+    pvt_from_wire, pvt_request_from_wire, pvt_to_wire, request_from_wire, request_to_wire,
     response_from_wire, response_to_wire, within,
 };
 pub use digest::{Digest, RaggedColumns};

@@ -206,6 +206,37 @@ fn a_plan_through_points_comes_back_also_when_it_is_stopped() {
     }
 }
 
+/// One axis is late, the other goes on with it: both say so, and what is made of it on the wire is the same.
+#[test]
+fn a_plan_that_is_finished_together_at_speed_comes_back() {
+    let axis = |name: &str, velocity: f64, position: f64| pb::PvtAxis {
+        axis: name.into(),
+        kind: pb::AxisKind::Prismatic as i32,
+        limits: Some(pb::AxisLimits {
+            max_velocity: 0.25,
+            max_acceleration: 3.0,
+            max_jerk: 100.0,
+            ..Default::default()
+        }),
+        start: Some(pb::AxisState { position: 0.0, velocity, acceleration: 0.0 }),
+        times: vec![0.2],
+        positions: vec![position],
+        velocities: vec![0.1],
+    };
+    let axes = vec![axis("far", 0.0, 0.1), axis("met", 0.1, 0.02)];
+    let wire = pb::PlanPvtRequest { axes, finish_unreached: true, ..Default::default() };
+    let judged = JudgedPvt::answer(&proto::pvt_request_from_wire(wire).unwrap()).unwrap();
+    assert!(judged.judged().certificate().passed());
+    let wire = pvt_to_wire(&judged);
+    for axis in &wire.plan.as_ref().unwrap().axes {
+        let reasons: Vec<_> = axis.adjustments.iter().map(|adjustment| adjustment.reason.as_str()).collect();
+        assert_eq!(reasons, ["PVT_FINISHED_LATE"], "{}", axis.axis);
+    }
+    assert_eq!(pvt_from_wire(wire).unwrap(), judged);
+    let (stopped, _) = judged.judged().plan().with_closing_stop().unwrap().unwrap();
+    assert_eq!(plan_from_wire(plan_to_wire(&Judged::new(stopped.clone()))).unwrap(), stopped);
+}
+
 #[test]
 fn a_report_on_no_point_is_refused() {
     let mut wire = pvt_to_wire(&joined_by(pb::PvtInterpolation::SShaped));

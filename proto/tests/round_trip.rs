@@ -336,6 +336,35 @@ fn columns_of_different_lengths_are_refused() {
     assert_eq!(rejected.reason, proto::Reason::LengthMismatch);
 }
 
+/// In protocol buffers the parts of a duration have one sign; what others mean depends on who reads them.
+#[test]
+fn durations_whose_parts_contradict_each_other_are_refused() {
+    let part = |seconds, nanos| Some(prost_types::Duration { seconds, nanos });
+    let refused = |cycle_time, minimum_duration| {
+        let wire = pb::PlanRequest { cycle_time, minimum_duration, ..Default::default() };
+        let rejected = proto::Rejected::from(proto::plan_request_from_wire(wire).unwrap_err());
+        let fields = rejected.fields.iter().map(|field| format!("{}: {}", field.field, field.description));
+        (rejected.metadata, fields.collect::<Vec<_>>())
+    };
+    let way_out = "give both parts one sign, and less than 1000000000 ns beside the seconds";
+    let no_axes = "axes: is empty: give at least one axis".to_owned();
+    for (seconds, nanos) in [(1, -5), (-1, 5), (0, 1_000_000_000), (0, i32::MIN), (i64::MAX, -1)] {
+        let said = format!("is {seconds} s and {nanos} ns: {way_out}");
+        let (metadata, fields) = refused(part(seconds, nanos), part(seconds, nanos));
+        let expected = [format!("minimum_duration: {said}"), format!("cycle_time: {said}"), no_axes.clone()];
+        assert_eq!(fields, expected);
+        assert_eq!(metadata["given"], format!("{seconds} s and {nanos} ns"));
+        let wire = pb::PlanPvtRequest { cycle_time: part(seconds, nanos), ..Default::default() };
+        let refused = proto::pvt_request_from_wire(wire).unwrap_err();
+        assert!(refused.to_string().starts_with(&format!("cycle_time: {said}; ")), "{refused}");
+        let mut wire = plan_to_wire(&judged(request(0.05, 0.0, 0.0, 0.25)));
+        wire.cycle_time = part(seconds, nanos);
+        let refused = plan_from_wire(wire).unwrap_err();
+        assert!(refused.to_string().starts_with(&format!("cycle_time: {said}")), "{refused}");
+    }
+    assert_eq!(refused(part(0, 1_000_000), part(1, 999_999_999)).1, [no_axes]);
+}
+
 #[test]
 fn every_invalid_field_is_named_at_once() {
     let axis = pb::AxisMove {

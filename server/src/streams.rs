@@ -112,7 +112,7 @@ fn older(stream: &str, given: u64, current: u64) -> Rejected {
 
 fn too_many(most: usize) -> Rejected {
     let text = format!("{most} streams are open, as many as this server takes: close one, or open elsewhere");
-    Rejected::new(Reason::TooManyStreams, text).with("allowed", most)
+    Rejected::new(Reason::TooManyStreams, text).with("given", most + 1).with("allowed", most)
 }
 
 fn not_here(stream: &str) -> Rejected {
@@ -133,4 +133,16 @@ fn not_confirmed(stream: &str) -> Rejected {
         "the session of stream {stream:?} ended before it answered: send the operation again with the same request_id"
     );
     Rejected::new(Reason::NotConfirmed, text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_many_streams_are_counted() {
+        let rejected = too_many(10);
+        let figures = ["given", "allowed"].map(|key| rejected.metadata[key].as_str());
+        assert_eq!((rejected.reason, figures), (Reason::TooManyStreams, ["11", "10"]));
+    }
 }

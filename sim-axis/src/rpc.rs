@@ -89,7 +89,7 @@ impl Axes {
         Arc::clone(&self.runs).try_acquire_owned().map_err(|_| {
             let most = self.max_runs;
             let text = format!("{most} runs are going on, as many as this simulator takes: let one end");
-            Rejected::new(Reason::TooManyStreams, text).with("allowed", most)
+            Rejected::new(Reason::TooManyStreams, text).with("given", most + 1).with("allowed", most)
         })
     }
 }

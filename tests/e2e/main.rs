@@ -17,4 +17,5 @@ mod pvt;
 mod rehearsed;
 mod rehearsed_paths;
 mod standing_services;
+mod synchronised;
 mod tracking;

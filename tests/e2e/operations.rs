@@ -16,7 +16,7 @@ fn goal(position: f64) -> Ask {
 }
 
 /// Plays on until operation `id` is answered.
-async fn answered(stream: &mut Setpoints, id: &str) -> Result<OperationResult, Rejected> {
+pub(super) async fn answered(stream: &mut Setpoints, id: &str) -> Result<OperationResult, Rejected> {
     loop {
         for (answered, result) in stream.take_answers() {
             if answered == id {
@@ -27,7 +27,7 @@ async fn answered(stream: &mut Setpoints, id: &str) -> Result<OperationResult, R
     }
 }
 
-async fn play_to(stream: &mut Setpoints, cycle: u64) -> Digest {
+pub(super) async fn play_to(stream: &mut Setpoints, cycle: u64) -> Digest {
     let mut digest = Digest::ZERO;
     while stream.buffer().executed() < cycle {
         digest = stream.next().await.unwrap().expect("the stream goes on").digest;

@@ -1,6 +1,9 @@
 use clap::Args;
 use planner::LimitsSpec;
 
+use crate::failure::Failure;
+use crate::law::Law;
+
 /// What an axis may do.
 #[derive(Debug, Default, Args)]
 pub(crate) struct LimitFlags {
@@ -12,9 +15,8 @@ pub(crate) struct LimitFlags {
     #[arg(long, value_name = "U/S²", help_heading = "Limits")]
     #[arg(required_unless_present = "files")]
     max_acceleration: Option<f64>,
-    /// Greatest jerk [u/s³].
+    /// Greatest jerk [u/s³]; a family of order 2 keeps none and can do without, any other needs it.
     #[arg(long, value_name = "U/S³", help_heading = "Limits")]
-    #[arg(required_unless_present = "files")]
     max_jerk: Option<f64>,
     /// Greatest acceleration while speed shrinks [u/s²]; as --max-acceleration if not given.
     #[arg(long, value_name = "U/S²", help_heading = "Limits")]
@@ -34,6 +36,16 @@ pub(crate) struct LimitFlags {
 }
 
 impl LimitFlags {
+    /// Refuses flags without a jerk, where `law` keeps one.
+    pub(crate) fn check_jerk(&self, law: Law) -> Result<(), Failure> {
+        let keeps_none = law.family.order().or(law.order) == Some(2);
+        if keeps_none || self.max_jerk.is_some() {
+            return Ok(());
+        }
+        let text = format!("--max-jerk is missing: {law} keeps a limit of jerk, so give the greatest [u/s³]");
+        Err(Failure::Usage(text))
+    }
+
     /// The limits that the flags stand for; nothing but clap has checked them.
     pub(crate) fn to_spec(&self) -> LimitsSpec {
         LimitsSpec {

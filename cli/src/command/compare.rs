@@ -28,6 +28,7 @@ pub(crate) fn run(
     };
     let watched = Watched { model: &model, settle_tolerance: args.settle_tolerance };
     let (all, chosen) = if args.request.is_empty() {
+        args.families.iter().try_for_each(|law| args.limits.check_jerk(*law))?;
         let spec = args.one.to_spec(args.higher.beside(&args.limits), Law::default());
         families(&service, &spec, &args.families, watched)
             .map_err(|failure| in_flags(failure, screen.json))?

@@ -10,6 +10,7 @@ use proto::{Reason, Rejected};
 use crate::args::PvtArgs;
 use crate::command::plan::in_flags;
 use crate::failure::Failure;
+use crate::law::Law;
 use crate::show::number::counted;
 use crate::show::paint::{Screen, clean, wrapped};
 use crate::show::{json, points};
@@ -20,6 +21,7 @@ const AXIS: &str = "x";
 
 /// `portamento pvt --follow`
 pub(super) fn run(args: &PvtArgs, screen: &mut Screen<'_>) -> Result<(), Failure> {
+    args.limits.check_jerk(Law::default())?;
     let limits = Limits::try_from(args.limits.to_spec())
         .map_err(|invalid| in_flags(Failure::refused(within_limits(invalid)), screen.json))?;
     let mut axis = Following::new(args, limits)?;

@@ -15,9 +15,12 @@ pub(crate) fn run(args: &PlanArgs, endpoint: Option<&str>, screen: &mut Screen<'
     let judged = match &args.request {
         Some(path) => service.plan(source::request(path)?)?,
         None if args.one.distance_is_lost() => return Err(Failure::Usage(args::LOST_DISTANCE.to_owned())),
-        None => service
-            .plan(args.one.to_spec(args.higher.beside(&args.limits), args.law.law()))
-            .map_err(|failure| in_flags(failure, screen.json))?,
+        None => {
+            args.limits.check_jerk(args.law.law())?;
+            service
+                .plan(args.one.to_spec(args.higher.beside(&args.limits), args.law.law()))
+                .map_err(|failure| in_flags(failure, screen.json))?
+        }
     };
     if let Some(path) = &args.output {
         let text = json::plan_file(&judged)? + "\n";

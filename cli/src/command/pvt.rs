@@ -5,6 +5,7 @@ use crate::args::PvtArgs;
 use crate::command::plan::in_flags;
 use crate::command::{batch, follow};
 use crate::failure::Failure;
+use crate::law::Law;
 use crate::service::Service;
 use crate::show::paint::Screen;
 use crate::show::{json, plot, points};
@@ -22,6 +23,7 @@ pub(crate) fn run(args: &PvtArgs, endpoint: Option<&str>, screen: &mut Screen<'_
     let judged = match (&args.request, &args.points) {
         (Some(path), _) => service.plan(source::pvt_request(path)?)?,
         (None, Some(path)) => {
+            args.limits.check_jerk(Law::default())?;
             let table = PointTable::read(path)?;
             let refused = |failure| in_table(failure, &table, screen.json);
             service.plan(to_spec(args, &table)).map_err(refused)?

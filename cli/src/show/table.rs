@@ -4,8 +4,8 @@ use std::io;
 
 use planner::{
     Adjustment, AdjustmentReason, AsymmetricType, AxisKind, AxisPlan, Certificate, Classification, EightType,
-    EndCheck, Family, InvalidFields, JoinCheck, Judged, Law, LimitCheck, Method, Plan, PvtInterpolation,
-    PvtMethod, Quantity, SixCase, Violation,
+    EndCheck, Explanation, Family, InvalidFields, JoinCheck, Judged, Law, LimitCheck, Method, Plan,
+    PvtInterpolation, PvtMethod, Quantity, SixCase, Synchronization, Violation,
 };
 
 use crate::show::number::{self, column, counted, exact_column, plain, unit};
@@ -20,15 +20,36 @@ const LONGEST_NAME: usize = 16;
 pub(crate) fn plan(screen: &mut Screen<'_>, judged: &Judged) -> io::Result<()> {
     let plan = judged.plan();
     heading(screen, plan)?;
-    let critical = &judged.explanation().critical_axis;
-    if plan.axes().len() > 1 {
-        writeln!(screen.out, "Axis {} takes longest.", clean(critical))?;
+    if let Some(pace) = pace(plan, judged.explanation()) {
+        writeln!(screen.out, "{}", wrapped(&pace, ""))?;
     }
     for axis in plan.axes() {
         axis_plan(screen, judged, axis)?;
     }
     writeln!(screen.out)?;
     certificate(screen, plan, judged.certificate())
+}
+
+/// Which of several axes sets the pace, and what that is to the others, in a sentence.
+fn pace(plan: &Plan, Explanation { critical_axis, .. }: &Explanation) -> Option<String> {
+    if plan.axes().len() < 2 {
+        return None;
+    }
+    let axis = clean(critical_axis);
+    let Method { synchronization, pvt, .. } = plan.method();
+    Some(match synchronization {
+        _ if pvt.is_some() => format!("Axis {axis} takes longest."),
+        Synchronization::None => format!("Axis {axis} takes longest."),
+        Synchronization::Time | Synchronization::Phase if critical_axis.is_empty() => {
+            "All axes arrive together, later than they could: as late as was asked for.".to_owned()
+        }
+        Synchronization::Time => format!("All axes arrive together, as soon as axis {axis} can."),
+        Synchronization::Phase => {
+            format!(
+                "All axes keep to one line, and arrive as soon as that allows; axis {axis} holds it back most."
+            )
+        }
+    })
 }
 
 /// How long a plan takes, and how it was made.

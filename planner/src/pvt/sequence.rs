@@ -9,13 +9,13 @@ use super::planner::{Axis, PvtMove, PvtTarget, Refusal};
 use super::request::field;
 use super::{PvtAxis, PvtInterpolation, PvtPolicy, PvtRegion, PvtRequest, polynomial};
 use crate::classify::Classification;
-use crate::error::{Field, InvalidFields, Why};
+use crate::error::{Field, InvalidField, InvalidFields};
 use crate::float::{largest, least};
 use crate::segments::Pieces;
 use crate::solve::Piece;
 use crate::{
-    Adjustment, AdjustmentReason, AxisPlan, Method, Plan, Profile, PvtMethod, Quantity, Segment, State,
-    Transit, plan_between,
+    Adjustment, AdjustmentReason, AxisPlan, AxisTransfer, Method, Plan, Profile, PvtMethod, Quantity,
+    Segment, State, Synchronization, Timing, Together, Transit, plan_between, together,
 };
 
 /// The pieces of a command with two ramps, neither of which reaches the acceleration limit: what most have.
@@ -78,9 +78,9 @@ impl PvtPlan {
 /// later points are met later by as much.
 ///
 /// # Errors
-/// Of each axis the first point that cannot be met and that the policy does not adjust: [`Why::PvtTimeTooShort`],
-/// [`Why::PvtOutOfReach`], [`Why::PositionLimit`]. Where the last point is to be finished, those of [`plan_between`]; and of several
-/// axes it cannot be finished at speed yet.
+/// Of each axis the first point that cannot be met and that the policy does not adjust: [`Why::PvtTimeTooShort`](crate::Why::PvtTimeTooShort),
+/// [`Why::PvtOutOfReach`](crate::Why::PvtOutOfReach), [`Why::PositionLimit`](crate::Why::PositionLimit). Where the last point is to be finished, those of [`plan_between`]; of several
+/// axes that end at speed, those of [`together`](crate::together()).
 pub fn plan_pvt(request: &PvtRequest) -> Result<PvtPlan, InvalidFields> {
     let mut invalid = InvalidFields::default();
     let mut drives: Vec<Drive<'_>> = request.axes().iter().map(|axis| Drive::new(axis, request)).collect();
@@ -349,8 +349,8 @@ impl<'a> Drive<'a> {
         end - durations.into_iter().fold(self.clock, |sum, duration| sum + duration)
     }
 
-    /// Goes where the last command should have led.
-    fn finish(&mut self, motion: &Transit) {
+    /// Goes where the last command should have led, to be there at the time `end` \[s\].
+    fn finish(&mut self, motion: &Transit, end: f64) {
         let segments = motion.segments();
         let speed = |segment: &Segment, t: &f64| segment.at(*t).state.velocity.abs();
         for segment in &segments {
@@ -360,8 +360,16 @@ impl<'a> Drive<'a> {
         self.state = motion.end();
         // What was missed by a rounding takes no time.
         self.finished = !segments.is_empty();
-        let end = self.clock + motion.duration();
         self.lay(motion.pieces(), end);
+    }
+
+    /// Says why it cannot go there, of its last position.
+    fn note_unfinished(&self, invalid: &mut InvalidFields, index: usize, refused: &InvalidFields) {
+        let last = self.spec.points.len() - 1;
+        let field = field(Quantity::Position, last).within(&Field::element("axes", index));
+        for refused in refused.as_slice() {
+            invalid.note(field.as_str(), Some(refused.why.clone()));
+        }
     }
 
     /// Did the last command not get where it should?
@@ -401,30 +409,61 @@ impl<'a> Drive<'a> {
 }
 
 /// Takes each axis that has missed its last point there, without regard to time.
+///
+/// Where every axis ends at rest each goes by itself, and who is there waits. At speed nobody can wait: all axes that move go on
+/// to their last states together, those that had met theirs as well.
 fn finish_unreached(invalid: &mut InvalidFields, drives: &mut [Drive<'_>]) {
     if !drives.iter().any(Drive::misses) {
         return;
     }
-    let several = drives.len() > 1;
-    for (index, drive) in drives.iter_mut().enumerate() {
-        let outer = Field::element("axes", index);
-        if several && drive.goal().velocity != 0.0 {
-            // An axis that arrives earlier would have to wait at speed.
-            let what = "finishing at speed for one of several axes";
-            let instead = "end every axis at rest, or leave out finish_unreached";
-            let last = drive.spec.points.len() - 1;
-            let field = field(Quantity::Velocity, last).within(&outer);
-            invalid.note(field.as_str(), Some(Why::NotImplemented { what, instead }));
-        } else if drive.misses() {
-            // The one place that asks another solver.
-            match plan_between(drive.state, drive.goal(), &drive.spec.limits) {
-                Ok(motion) => drive.finish(&motion),
-                Err(refused) => {
-                    let field = field(Quantity::Position, drive.spec.points.len() - 1).within(&outer);
-                    for refused in refused.as_slice() {
-                        invalid.note(field.as_str(), Some(refused.why.clone()));
-                    }
-                }
+    if drives.len() > 1 && drives.iter().any(|drive| drive.goal().velocity != 0.0) {
+        finish_together(invalid, drives);
+        return;
+    }
+    for (index, drive) in drives.iter_mut().enumerate().filter(|(_, drive)| drive.misses()) {
+        // Beside the motion of several axes together the one place that asks another solver.
+        match plan_between(drive.state, drive.goal(), &drive.spec.limits) {
+            Ok(motion) => drive.finish(&motion, drive.clock + motion.duration()),
+            Err(refused) => drive.note_unfinished(invalid, index, &refused),
+        }
+    }
+}
+
+/// Takes all axes that are not at rest where they should be to their last states at one time.
+fn finish_together(invalid: &mut InvalidFields, drives: &mut [Drive<'_>]) {
+    let mut moving: Vec<(usize, AxisTransfer<'_>)> = Vec::with_capacity(drives.len());
+    for (index, drive) in drives.iter().enumerate() {
+        if !drive.misses() && drive.goal().velocity == 0.0 {
+            continue;
+        }
+        let question = AxisTransfer::within_limits(drive.state, drive.goal(), &drive.spec.limits);
+        // Asked by itself first, so that what is wrong is said of each axis.
+        match question.and_then(|question| question.quickest().map(|_| question)) {
+            Ok(question) => moving.push((index, question)),
+            Err(refused) => drive.note_unfinished(invalid, index, &refused),
+        }
+    }
+    if !invalid.is_empty() {
+        return;
+    }
+    let questions: Vec<AxisTransfer<'_>> = moving.iter().map(|(_, question)| *question).collect();
+    let mut transits = Vec::with_capacity(questions.len());
+    let planned = together(&questions, Synchronization::Time, Timing::default(), &mut transits);
+    let begin = drives.iter().map(|drive| drive.clock).fold(0.0, largest);
+    match planned {
+        Ok(Together { duration, .. }) => {
+            for ((index, _), transit) in moving.iter().zip(&transits) {
+                drives[*index].finish(transit, begin + duration);
+            }
+        }
+        Err(refused) => {
+            for InvalidField { field, why } in refused.as_slice() {
+                let of =
+                    |number: &usize| field.as_str().starts_with(Field::element("axes", *number).as_str());
+                let number = (0..moving.len()).find(of).unwrap_or_default();
+                let index = moving[number].0;
+                let refused = InvalidFields::one(Field::default(), why.clone());
+                drives[index].note_unfinished(invalid, index, &refused);
             }
         }
     }

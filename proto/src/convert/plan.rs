@@ -10,7 +10,7 @@ use super::choice::{
     short_path_from_wire, short_path_to_wire, synchronization_from_wire, synchronization_to_wire,
 };
 use super::claims::Claims;
-use super::{cycle_time_to_wire, duration_to_ns};
+use super::duration::{cycle_time_to_wire, duration_to_ns, note_malformed};
 use crate::{fingerprint, pb};
 
 /// The most segments of one axis: more than those of 10 000 points for each of six axes would be of one.
@@ -97,6 +97,7 @@ pub fn plan_as_it_is(wire: pb::Plan) -> Result<(Plan, InvalidFields), InvalidFie
         certificate: _,
         explanation: _,
     } = wire;
+    note_malformed(&mut invalid, "cycle_time", cycle_time.as_ref());
     let cycle_time = CycleTime::from_ns(cycle_time.as_ref().map(duration_to_ns));
     let cycle_time = invalid.take(&Field::default(), cycle_time).unwrap_or(CycleTime::MILLISECOND);
     let mut domain_axes = Vec::new();

@@ -1,13 +1,15 @@
 //! Points of position, velocity and time: what is asked, and what became of each.
 
-use planner::{Field, InvalidFields, JudgedPvt, PvtAxisSpec, PvtPointReport, PvtRegion, PvtRequestSpec, Why};
+use planner::{
+    Field, InvalidFields, JudgedPvt, PvtAxisSpec, PvtPointReport, PvtRegion, PvtRequest, PvtRequestSpec, Why,
+};
 
 use super::choice::{
     choice_to_wire, interpolation_from_wire, interpolation_to_wire, kind_from_wire, kind_to_wire,
     policy_from_wire, policy_to_wire,
 };
+use super::duration::{after, duration_to_ns, note_malformed, ns_to_duration};
 use super::plan::{REGIONS, adjustment_from_wire, adjustment_to_wire, plan_from_wire, plan_to_wire};
-use super::{duration_to_ns, ns_to_duration};
 use crate::pb;
 
 impl From<pb::PvtAxis> for PvtAxisSpec {
@@ -51,6 +53,17 @@ impl From<pb::PlanPvtRequest> for PvtRequestSpec {
             finish_unreached,
         }
     }
+}
+
+/// The request on the wire, checked, with everything that is wrong with it.
+///
+/// # Errors
+/// Those of [`PvtRequest::try_from`]; [`Why::DurationParts`](planner::Why::DurationParts) of a cycle time.
+pub fn pvt_request_from_wire(wire: pb::PlanPvtRequest) -> Result<PvtRequest, InvalidFields> {
+    let mut malformed = InvalidFields::default();
+    note_malformed(&mut malformed, "cycle_time", wire.cycle_time.as_ref());
+    let cycle_time = wire.cycle_time.filter(|_| malformed.is_empty());
+    after(malformed, PvtRequestSpec::from(pb::PlanPvtRequest { cycle_time, ..wire }).try_into())
 }
 
 impl From<PvtRequestSpec> for pb::PlanPvtRequest {

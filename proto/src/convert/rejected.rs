@@ -121,7 +121,7 @@ fn reason(why: &Why) -> Reason {
         Why::NotPositive { .. } | Why::NotNegative { .. } | Why::NegativeReverse { .. } => {
             Reason::LimitNotPositive
         }
-        Why::NegativeDuration { .. } => Reason::ValueOutOfRange,
+        Why::NegativeDuration { .. } | Why::DurationParts { .. } => Reason::ValueOutOfRange,
         Why::EmptyRange { .. } => Reason::ValueOutOfRange,
         Why::Missing { .. } | Why::LimitMissing { .. } => Reason::FieldMissing,
         Why::Unspecified { .. } | Why::UnknownChoice { .. } | Why::UnknownName { .. } => {
@@ -207,6 +207,11 @@ fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
         Why::TooManyAxes { given, allowed } | Why::TooManySegments { given, allowed } => {
             vec![("given", given.to_string()), ("allowed", allowed.to_string())]
         }
+        Why::TooManyCycles { seconds } => {
+            let allowed = format!("{} cycles", planner::LAST_CYCLE);
+            vec![("given", format!("{} s", Shortest(*seconds))), ("allowed", allowed)]
+        }
+        Why::DurationParts { seconds, nanos } => vec![("given", format!("{seconds} s and {nanos} ns"))],
         Why::OrderUnsupported { given } => {
             vec![("given", given.to_string()), ("allowed", format!("2 to {}", planner::MAX_ORDER))]
         }

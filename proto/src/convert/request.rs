@@ -1,10 +1,12 @@
-use planner::{AxisMoveSpec, Field, InvalidFields, Limits, LimitsSpec, Plan, RequestSpec, State, Why};
+use planner::{
+    AxisMoveSpec, Field, InvalidFields, Limits, LimitsSpec, Plan, Request, RequestSpec, State, Why,
+};
 
 use super::choice::{
     choice_to_wire, family_from_wire, family_to_wire, kind_from_wire, kind_to_wire, short_path_from_wire,
     short_path_to_wire, synchronization_from_wire, synchronization_to_wire,
 };
-use super::{duration_to_ns, ns_to_duration};
+use super::duration::{after, duration_to_ns, malformed_duration, note_malformed, ns_to_duration};
 use crate::pb;
 
 impl From<pb::AxisMove> for AxisMoveSpec {
@@ -43,6 +45,21 @@ impl From<pb::PlanRequest> for RequestSpec {
             end_on_cycle,
         }
     }
+}
+
+/// The request on the wire, checked, with everything that is wrong with it.
+///
+/// # Errors
+/// Those of [`Request::try_from`]; [`Why::DurationParts`] of a cycle time or a least duration.
+pub fn plan_request_from_wire(wire: pb::PlanRequest) -> Result<Request, InvalidFields> {
+    let mut malformed = InvalidFields::default();
+    note_malformed(&mut malformed, "minimum_duration", wire.minimum_duration.as_ref());
+    note_malformed(&mut malformed, "cycle_time", wire.cycle_time.as_ref());
+    // Said once: what such a sum would be is no further mistake.
+    let sound = |duration: &prost_types::Duration| malformed_duration(duration).is_none();
+    let cycle_time = wire.cycle_time.filter(sound);
+    let minimum_duration = wire.minimum_duration.filter(sound);
+    after(malformed, RequestSpec::from(pb::PlanRequest { cycle_time, minimum_duration, ..wire }).try_into())
 }
 
 impl From<AxisMoveSpec> for pb::AxisMove {

@@ -32,7 +32,8 @@ pub struct AxisLimits {
     /// max_deceleration is set.
     #[prost(double, tag = "2")]
     pub max_acceleration: f64,
-    /// Greatest jerk \[u/s^3\], > 0.
+    /// Greatest jerk \[u/s^3\], > 0. A family of order 2 does not keep it, its stops do: left at 0, it becomes
+    /// what reaches the greater acceleration limit within one cycle, and stands so in the plan.
     #[prost(double, tag = "3")]
     pub max_jerk: f64,
     /// Greatest acceleration while speed shrinks \[u/s^2\], > 0. A ramp that goes through zero velocity
@@ -480,7 +481,8 @@ impl ::prost::Name for Plan {
 /// Why the plan takes as long as it does.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct PlanExplanation {
-    /// The axis that sets the duration.
+    /// The axis that sets the duration. Empty of axes that arrive together where none does, but minimum_duration
+    /// or the cycles.
     #[prost(string, tag = "1")]
     pub critical_axis: ::prost::alloc::string::String,
     /// The limits that are reached, in order of axis and time. Empty for a plan of PlanPvt: its points say how
@@ -579,7 +581,7 @@ pub struct PlanPvtRequest {
     #[prost(enumeration = "PvtPolicy", tag = "4")]
     pub policy: i32,
     /// After the last point, go on to its position and velocity without regard to time, if they were
-    /// not reached.
+    /// not reached. Where some axis of several ends at speed, all that move then arrive together.
     #[prost(bool, tag = "5")]
     pub finish_unreached: bool,
 }

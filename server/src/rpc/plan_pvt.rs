@@ -1,5 +1,5 @@
-use planner::{JudgedPvt, PvtRequest, PvtRequestSpec};
-use proto::{Reason, Rejected, pb, pvt_to_wire};
+use planner::JudgedPvt;
+use proto::{Reason, Rejected, pb, pvt_request_from_wire, pvt_to_wire};
 
 /// From this many points on, an answer takes longer than the streams of this process may wait: about a millisecond.
 const LONG: usize = 500;
@@ -26,7 +26,7 @@ pub(super) fn plan(wire: pb::PlanPvtRequest, most: usize) -> Result<pb::PlanPvtR
         let rejected = Rejected::for_field("axes", Reason::TooManyPoints, text);
         return Err(rejected.with("given", given).with("allowed", most));
     }
-    let request = PvtRequest::try_from(PvtRequestSpec::from(wire))?;
+    let request = pvt_request_from_wire(wire)?;
     Ok(pvt_to_wire(&JudgedPvt::answer(&request)?))
 }
 

@@ -1,6 +1,6 @@
-use ::planner::{Judged, Request as PlanRequest, RequestSpec, certify, certify_against};
+use ::planner::{Judged, certify, certify_against};
 use proto::pb::planner_service_server::PlannerService;
-use proto::{Rejected, pb, plan_as_it_is_in, plan_to_wire, within};
+use proto::{Rejected, pb, plan_as_it_is_in, plan_request_from_wire, plan_to_wire, within};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
@@ -22,7 +22,7 @@ impl Planner {
 }
 
 fn plan(wire: pb::PlanRequest) -> Result<pb::PlanResponse, Rejected> {
-    let request = PlanRequest::try_from(RequestSpec::from(wire))?;
+    let request = plan_request_from_wire(wire)?;
     let judged = Judged::answer(&request)?;
     Ok(pb::PlanResponse { plan: Some(plan_to_wire(&judged)) })
 }

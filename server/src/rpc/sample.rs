@@ -19,7 +19,7 @@ pub(super) fn sampling(wire: pb::SamplePlanRequest, most: u64) -> Result<Samplin
              segments where you are"
         );
         let rejected = Rejected::new(Reason::TooManyCycles, text);
-        return Err(rejected.with("given", last).with("nearest", most));
+        return Err(rejected.with("given", last).with("allowed", most));
     }
     Ok(sampling)
 }

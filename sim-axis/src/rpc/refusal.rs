@@ -19,7 +19,7 @@ pub(super) fn of(error: TrackError, named: &[String]) -> Rejected {
                 Error::Address { .. } => Reason::EndpointInvalid,
                 Error::Unreachable { .. } => Reason::PlannerUnreachable,
                 Error::TooLarge { .. } => Reason::MessageTooLarge,
-                Error::Protocol(_) | Error::Rejected(_) => Reason::NotAPlanner,
+                Error::NotServed { .. } | Error::Protocol(_) | Error::Rejected(_) => Reason::NotAPlanner,
             };
             Rejected::new(reason, format!("{endpoint}: {text}"))
                 .with("endpoint", endpoint)
@@ -57,18 +57,22 @@ fn as_asked_here(mut rejected: Rejected) -> Rejected {
 
 /// Why an axis cannot be run as the request says, with the field that says so.
 fn unsuitable(axis: &str, cause: &InvalidConfig, named: &[String]) -> Rejected {
+    let place = || named.iter().position(|name| name == axis);
     let (field, reason) = match cause {
-        InvalidConfig::SubstepDoesNotDivide { .. } | InvalidConfig::Cycle { .. } => {
-            ("plan.cycle_time".into(), Reason::CycleTimeInvalid)
+        InvalidConfig::SubstepDoesNotDivide { .. } => {
+            // A model of the simulator's own is no field of the request, and the plan can have another cycle.
+            let field =
+                place().map_or("plan.cycle_time".into(), |index| format!("models[{index}].servo.substep"));
+            (field, Reason::CycleTimeInvalid)
         }
+        InvalidConfig::Cycle { .. } => ("plan.cycle_time".into(), Reason::CycleTimeInvalid),
         InvalidConfig::SettleWindow { .. } => ("settle_window".into(), Reason::ValueOutOfRange),
         InvalidConfig::SettleTolerance { .. } => ("settle_tolerance".into(), Reason::ValueOutOfRange),
         InvalidConfig::Start { .. } => ("plan.axes".into(), Reason::NotFinite),
         InvalidConfig::EffortScale { .. } => ("effort_limit_scale".into(), Reason::ValueOutOfRange),
         InvalidConfig::Unstable { .. } => {
-            let place = named.iter().position(|name| name == axis);
-            // A model of the simulator's own is no field of the request, and the request can bring another.
-            let field = place.map_or("models".into(), |index| format!("models[{index}].servo"));
+            // Here too; the request can bring another model.
+            let field = place().map_or("models".into(), |index| format!("models[{index}].servo"));
             (field, Reason::ServoUnstable)
         }
     };
@@ -77,6 +81,29 @@ fn unsuitable(axis: &str, cause: &InvalidConfig, named: &[String]) -> Rejected {
         InvalidConfig::Unstable { growth, position_gain, .. } => {
             rejected.with("growth", growth).with("nearest_position_gain", position_gain)
         }
+        InvalidConfig::SubstepDoesNotDivide { substep, nearest, .. } => {
+            rejected.with("given", substep).with("nearest", nearest)
+        }
         _ => rejected,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_substep_that_does_not_divide_is_that_of_the_model_where_the_request_brings_one() {
+        let cause = InvalidConfig::SubstepDoesNotDivide { cycle: 1e-3, substep: 7e-5, nearest: 1e-3 / 14.0 };
+        let named = ["x".to_owned(), "y".to_owned()];
+        for (axis, field) in [("y", "models[1].servo.substep"), ("z", "plan.cycle_time")] {
+            let rejected = unsuitable(axis, &cause, &named);
+            assert_eq!(
+                (rejected.reason, rejected.fields[0].field.as_str()),
+                (Reason::CycleTimeInvalid, field)
+            );
+            assert_eq!(rejected.metadata["given"], "0.00007");
+            assert!(rejected.metadata["nearest"].starts_with("0.0000714285714285714"));
+        }
     }
 }

@@ -45,8 +45,11 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
         let text = format!("is {lead_cycles}: hold {least} to {most} cycles, or 0 for {DEFAULT_LEAD_CYCLES}");
         faults.note("lead_cycles", Reason::ValueOutOfRange, text);
     }
+    let malformed = settle_window.as_ref().and_then(proto::malformed_duration);
     let settle_window = settle_window.map_or(DEFAULT_SETTLE_WINDOW, seconds);
-    if !(0.0..=MOST_SETTLE_WINDOW).contains(&settle_window) {
+    if let Some(why) = malformed {
+        faults.note("settle_window", Reason::ValueOutOfRange, why);
+    } else if !(0.0..=MOST_SETTLE_WINDOW).contains(&settle_window) {
         let text = InvalidConfig::SettleWindow { window: settle_window, most: MOST_SETTLE_WINDOW };
         faults.note("settle_window", Reason::ValueOutOfRange, text);
     }
@@ -224,7 +227,7 @@ mod tests {
         let window = prost_types::Duration { seconds: -1, nanos: 0 };
         let request = pb::RunTrackingRequest {
             stream: String::new(),
-            endpoints: vec!["http://127.0.0.1:50051".into(), "foo bar".into()],
+            endpoints: vec!["http://127.0.0.1:50051".into(), "foo".into()],
             models: vec![
                 two_mass("x", 1e5),
                 two_mass("y", -1.0),

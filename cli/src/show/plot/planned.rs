@@ -1,4 +1,4 @@
-use planner::{AxisKind, AxisPlan, Law, Plan, Quantity};
+use planner::{AxisKind, AxisPlan, Law, Plan, Quantity, Synchronization};
 
 use super::figure::{Band, Baseline, Figure, Ink, Limit, Panel, Series, Stroke};
 use super::layout::{LEFT, RIGHT};
@@ -36,9 +36,9 @@ pub(crate) fn of_plan(plan: &Plan) -> Figure {
             });
         }
     }
-    let slowest = plan.axes().iter().reduce(|slowest, axis| {
-        if axis.profile.duration() > slowest.profile.duration() { axis } else { slowest }
-    });
+    // Where no axis sets the pace, the phases of the first are as good as any.
+    let critical = planner::explain(plan).critical_axis;
+    let slowest = plan.axes().iter().find(|axis| axis.axis == critical).or(plan.axes().first());
     let (title, bands_name) = match (slowest, plan.axes().len()) {
         (Some(axis), 1) => (
             format!("{}: {}", short(&axis.axis), classification(&axis.classification, axis.kind)),
@@ -47,7 +47,15 @@ pub(crate) fn of_plan(plan: &Plan) -> Figure {
         (Some(axis), axes) => {
             let name = short(&axis.axis);
             let shape = classification(&axis.classification, axis.kind);
-            (format!("{axes} axes; {name} takes longest: {shape}"), format!("phase of {name}"))
+            let together = match plan.method().synchronization {
+                _ if plan.method().pvt.is_some() || critical.is_empty() => format!("{axes} axes"),
+                Synchronization::None => format!("{axes} axes; {name} takes longest"),
+                Synchronization::Time => {
+                    format!("{axes} axes that arrive together, {name} as fast as it can")
+                }
+                Synchronization::Phase => format!("{axes} axes on one line, which {name} holds back most"),
+            };
+            (format!("{together}; {name}: {shape}"), format!("phase of {name}"))
         }
         (None, _) => (String::new(), String::new()),
     };

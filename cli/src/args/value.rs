@@ -1,0 +1,88 @@
+//! Values of flags that are more than a number.
+
+use std::path::PathBuf;
+
+/// The address of a server, as far as it can be told without asking there.
+pub(super) fn endpoint(text: &str) -> Result<String, String> {
+    let wanted = "give http://HOST:PORT, as http://127.0.0.1:50051";
+    let authority = text.strip_prefix("http://").ok_or_else(|| match text.starts_with("https://") {
+        true => format!("encryption is not implemented: {wanted}"),
+        false => wanted.to_owned(),
+    })?;
+    let authority = authority.strip_suffix('/').unwrap_or(authority);
+    let (host, port) = match authority.rsplit_once(':') {
+        Some((host, port)) if !port.ends_with(']') => (host, Some(port)),
+        _ => (authority, None),
+    };
+    // What resolves is for the resolver to say; what could not be a name or a number is a slip of the finger.
+    let of_host = |c: char| c.is_ascii_alphanumeric() || "-._~[]:%".contains(c);
+    if host.is_empty() || !host.chars().all(of_host) {
+        return Err(format!("{host:?} is not a host: {wanted}"));
+    }
+    match port.map(str::parse::<u16>) {
+        Some(Err(_)) => Err(format!("{:?} is not a port: {wanted}", port.unwrap_or_default())),
+        Some(Ok(_)) | None => Ok(text.to_owned()),
+    }
+}
+
+/// A file for a plot: of the one format that is written, so that no file holds what its name does not say.
+pub(super) fn svg(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_svg = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
+    if is_svg {
+        return Ok(path);
+    }
+    let named = path.with_extension("svg");
+    Err(format!("plots are SVG, and other formats are made from it: name a file such as {}", named.display()))
+}
+
+/// A time with its unit, in whole nanoseconds. Whether it is long enough is for the planner to say.
+pub(super) fn nanoseconds(text: &str) -> Result<i128, String> {
+    const UNITS: [(&str, f64); 5] = [("ns", 1.0), ("us", 1e3), ("µs", 1e3), ("ms", 1e6), ("s", 1e9)];
+    let (number, scale) = UNITS
+        .iter()
+        .find_map(|(unit, scale)| Some((text.strip_suffix(unit)?, *scale)))
+        .ok_or("give its unit as well: 1ms, 250us or 0.002s")?;
+    let number: f64 = number.trim().parse().map_err(|_| format!("{number:?} is not a number"))?;
+    let ns = (number * scale).round();
+    // Beyond this a double does not count nanoseconds any more, and no plan lasts as long.
+    const LONGEST_NS: f64 = 9e15;
+    if ns.abs() <= LONGEST_NS { Ok(ns as i128) } else { Err("give at most 9000000s".to_owned()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endpoints_are_addresses() {
+        let good = ["http://127.0.0.1:50051", "http://cell-7.local:80/", "http://[::1]:50051", "http://host"];
+        for text in good {
+            assert_eq!(endpoint(text), Ok(text.to_owned()));
+        }
+        let bad =
+            ["foo bar", "localhost:50051", "http://", "http://a b:1", "http://h:99999", "https://h:1", ""];
+        for text in bad {
+            assert!(endpoint(text).is_err_and(|why| why.contains("http://127.0.0.1:50051")), "{text}");
+        }
+    }
+
+    #[test]
+    fn plots_are_named_for_what_they_are() {
+        assert_eq!(svg("a/b.SVG"), Ok(PathBuf::from("a/b.SVG")));
+        for (text, named) in [("x.png", "x.svg"), ("plot", "plot.svg"), ("a.svg/b", "a.svg/b.svg")] {
+            assert!(svg(text).is_err_and(|why| why.ends_with(named)), "{text}");
+        }
+    }
+
+    #[test]
+    fn times_have_units() {
+        let rows = [("1ms", 1_000_000), ("250us", 250_000), ("0.002s", 2_000_000), ("-1 ms", -1_000_000)];
+        for (text, ns) in rows {
+            assert_eq!(nanoseconds(text), Ok(ns), "{text}");
+        }
+        for text in ["1", "ms", "NaNs", "1e300s"] {
+            assert!(nanoseconds(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! The judge: recomputes from the segments alone what a motion does, and holds it against what it promises.
+//!
+//! Shares no code with the solvers: it sees pieces, limits and the state that is to be reached, nothing of how they were
+//! found. Extremes are taken where they can be (the ends of a piece and the zeros of the derivatives inside it), not at
+//! samples.
+//!
+//! - `certificate`: what it says
+//! - `extremes`: how far a motion goes, against its limits; `joins`: how well its pieces meet
+//! - `led_back`: what it lets pass of a start beyond the limits
+//! - `transfer`: the same for bounds with signs
+
+mod certificate;
+mod extremes;
+mod joins;
+mod led_back;
+mod transfer;
+
+use alloc::vec::Vec;
+
+use crate::plan::{AxisPlan, Plan};
+use crate::{AdjustmentReason, Family, Limits, MAX_ORDER, Profile, Quantity, State};
+pub use certificate::{Certificate, EndCheck, JoinCheck, LimitCheck, Violation};
+use extremes::{Extremes, Worst};
+use joins::Jumps;
+pub use transfer::transfer_violations;
+
+/// Of a limit \[1\]: what a motion may be beyond it, since its pieces are rounded.
+pub const LIMIT_TOLERANCE: f64 = 1e-9;
+/// Of the scale of a motion (its extent, its fastest, its hardest) \[1\]: what two pieces may be apart where they join.
+pub const JOIN_TOLERANCE: f64 = 1e-10;
+/// Units in the last place of the largest position: what positions far from zero may be apart besides, and beyond the end
+/// of their range.
+const POSITION_ULPS: f64 = 8.0;
+/// Units in the last place of the fastest: a velocity this small is a rounded zero and goes in no direction, so that an
+/// axis that must not turn back may stop.
+pub(crate) const VELOCITY_ULPS: f64 = 8.0;
+
+/// Judges a plan by its own limits and goals.
+#[must_use]
+pub fn certify(plan: &Plan) -> Certificate {
+    // Of each axis, but for a range of positions and derivatives above jerk.
+    let each = 3 * plan.axes().len();
+    let mut certificate = Certificate {
+        limits: Vec::with_capacity(each),
+        joins: Vec::with_capacity(each),
+        ends: Vec::with_capacity(each),
+    };
+    for axis in plan.axes() {
+        let goal = axis.goal_to_reach();
+        certificate.judge(&axis.axis, &axis.profile, &axis.limits, goal, &Promise::of(plan));
+    }
+    certificate
+}
+
+/// Judges a plan by other limits or goals: one pair for each axis, in plan order.
+#[must_use]
+pub fn certify_against<'a>(
+    plan: &Plan,
+    against: impl IntoIterator<Item = (&'a Limits, State)>,
+) -> Certificate {
+    let mut certificate = Certificate::default();
+    for (axis, (limits, goal)) in plan.axes().iter().zip(against) {
+        certificate.judge(&axis.axis, &axis.profile, limits, goal, &Promise::of(plan));
+    }
+    certificate
+}
+
+impl AxisPlan {
+    /// The end to hold the motion against: the goal, but for what adjustments say of it.
+    #[must_use]
+    pub fn goal_to_reach(&self) -> State {
+        self.goal_as_adjusted(|_| true)
+    }
+
+    /// The goal, but for what those adjustments say of it whose reason `counts`.
+    pub(crate) fn goal_as_adjusted(&self, counts: impl Fn(AdjustmentReason) -> bool) -> State {
+        let mut state = self.goal;
+        for adjustment in self.adjustments.iter().filter(|adjustment| counts(adjustment.reason)) {
+            match adjustment.quantity {
+                Quantity::Position => state.position = adjustment.planned,
+                // The feed rate is a speed on the way.
+                Quantity::Velocity if adjustment.reason == AdjustmentReason::FeedRateAboveLimit => {}
+                Quantity::Velocity => state.velocity = adjustment.planned,
+                Quantity::Acceleration => state.acceleration = adjustment.planned,
+                Quantity::Jerk
+                | Quantity::Snap
+                | Quantity::Crackle
+                | Quantity::Pop
+                | Quantity::Lock
+                | Quantity::Drop
+                | Quantity::Time => {}
+            }
+        }
+        state
+    }
+}
+
+/// What a plan promises of each derivative, at the index of its order.
+struct Promise {
+    /// It keeps its limit.
+    limited: [bool; MAX_ORDER + 1],
+    /// It does not jump.
+    joined: [bool; MAX_ORDER + 1],
+    /// A start beyond the limits is led back: what a move of limited jerk may begin with, and no other.
+    leads_back: bool,
+}
+
+impl Promise {
+    fn of(plan: &Plan) -> Self {
+        let mut promise = Self::keeping(plan.guaranteed());
+        // Each pulse begins and ends without jerk.
+        promise.joined[3] |= plan.method().family == Family::Trigonometric;
+        promise.leads_back = plan.method().family == Family::SCurve && plan.method().pvt.is_none();
+        promise
+    }
+
+    fn keeping(guaranteed: &[Quantity]) -> Self {
+        let limited = Quantity::BY_ORDER.map(|quantity| guaranteed.contains(&quantity));
+        let mut joined = [false; MAX_ORDER + 1];
+        // A jump is an unlimited derivative.
+        joined[..MAX_ORDER].copy_from_slice(&limited[1..]);
+        joined[..2].fill(true);
+        Self { limited, joined, leads_back: false }
+    }
+}
+
+impl Certificate {
+    /// Adds what one axis's motion does: its extremes, its joins, and how near it ends to `goal`.
+    fn judge(&mut self, axis: &str, profile: &Profile, limits: &Limits, goal: State, promise: &Promise) {
+        let asked = |order: usize| promise.limited[order] || limits.higher(order).is_some();
+        let highest = (4..=MAX_ORDER).rev().find(|&order| asked(order)).unwrap_or(3);
+        let highest_joined = (3..MAX_ORDER).rev().find(|&order| promise.joined[order]).unwrap_or(2);
+        let extremes = Extremes::of(profile, limits, highest.max(highest_joined), promise.leads_back);
+        let allowed = extremes.allowed(&goal);
+        let jumps = Jumps::of(profile, highest.max(highest_joined + 1), promise);
+
+        for (order, worst) in extremes.worst(limits, highest) {
+            if order >= 4 && !asked(order) {
+                continue;
+            }
+            let (quantity, guaranteed) = (Quantity::BY_ORDER[order], promise.limited[order]);
+            // A position range is promised by being stated.
+            let guaranteed = order == 0 || guaranteed;
+            let mut worst = worst;
+            if order >= 3 && !promise.joined[order - 1] {
+                let (jump, at_time) = jumps.worst[order - 1];
+                if jump.abs() > allowed[order - 1] {
+                    worst.see_magnitude(f64::INFINITY, worst.limit, at_time);
+                }
+            }
+            let Worst { margin, limit, extremum, at_time } = worst;
+            let led_back_by = match order {
+                1 => extremes.led_back.velocity_by(),
+                2 => extremes.led_back.acceleration_by(),
+                _ => None,
+            };
+            let axis = axis.into();
+            let check =
+                LimitCheck { axis, quantity, limit, extremum, at_time, margin, guaranteed, led_back_by };
+            self.limits.push(check);
+        }
+
+        let last = profile.segments().last().map_or(profile.end(), |last| last.end());
+        let (last, end, goal) = (parts(&last), parts(&profile.end()), parts(&goal));
+        for order in 0..=highest_joined {
+            let (axis, quantity, allowed) = (axis, Quantity::BY_ORDER[order], allowed[order]);
+            if order < 3 || promise.joined[order] {
+                let (worst_jump, at_time) = jumps.worst[order];
+                let (worst_jump, guaranteed) = (worst_jump.abs(), promise.joined[order]);
+                let join =
+                    JoinCheck { axis: axis.into(), quantity, worst_jump, allowed, at_time, guaranteed };
+                self.joins.push(join);
+            }
+            if order < 3 {
+                let missed = (end[order] - goal[order]).abs();
+                // What may jump may jump to its end.
+                let residual = if promise.joined[order] {
+                    largest((last[order] - end[order]).abs(), missed)
+                } else {
+                    missed
+                };
+                self.ends.push(EndCheck { axis: axis.into(), quantity, residual, allowed });
+            }
+        }
+    }
+}
+
+fn parts(state: &State) -> [f64; 3] {
+    [state.position, state.velocity, state.acceleration]
+}
+
+/// Everything that one axis's motion promises and does not keep: velocity, acceleration and jerk within `limits`, joins,
+/// and the end at `goal`. Empty: no objection.
+#[must_use]
+pub fn violations(profile: &Profile, limits: &Limits, goal: State) -> Vec<Violation> {
+    let mut certificate = Certificate::default();
+    let promise = Promise::keeping(&[Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk]);
+    certificate.judge("", profile, limits, goal, &promise);
+    certificate.violations().collect()
+}
+
+/// The larger of two magnitudes; NaN where one is, so that what cannot be computed is not passed.
+fn largest(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
