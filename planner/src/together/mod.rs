@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use crate::error::{Field, InvalidFields, Why};
 use crate::grid;
 use crate::limits::not_finite;
-use crate::transfer::is_same_time;
+use crate::transfer::{check_duration, is_same_time};
 use crate::{AxisTransfer, CycleTime, MAX_AXES, Synchronization, Transit};
 use line::Line;
 
@@ -177,6 +177,7 @@ fn settle(
     }
     let mut nudge = FIRST_NUDGE;
     'agreeing: loop {
+        check_duration(agreed.duration)?;
         if let Some(cycle) = timing.end_on {
             let on_cycle = grid::whole(agreed.duration, cycle)?;
             if on_cycle > agreed.duration {

@@ -1,6 +1,9 @@
 use arrayvec::ArrayVec;
 
 use super::course::{Course, MAX_TRANSIT_PIECES, Stroke};
+use crate::error::{Field, InvalidFields, Why};
+use crate::float::largest;
+use crate::limits::GREATEST_MAGNITUDE;
 use crate::profile::add_up;
 use crate::solve::Piece;
 use crate::{Law, Profile, Segment, Setpoint, State};
@@ -68,6 +71,33 @@ impl Transit {
         for (piece, duration) in self.pieces.iter_mut().zip(durations) {
             piece.duration = duration;
         }
+    }
+
+    /// Are all of its numbers such as the planner takes? A motion is planned on from any of its states, and read back from its pieces.
+    pub(super) fn check_numbers(&self) -> Result<(), InvalidFields> {
+        let size = |piece: &Piece| largest(piece.start.position.abs(), piece.start.velocity.abs());
+        let fits = self.pieces.iter().all(|piece| size(piece) <= GREATEST_MAGNITUDE);
+        if fits { Ok(()) } else { Err(self.beyond_numbers()) }
+    }
+
+    /// Where it leaves the numbers.
+    #[cold]
+    fn beyond_numbers(&self) -> InvalidFields {
+        let mut farthest = (self.start.position, 0.0);
+        let mut time = 0.0;
+        for piece in &self.pieces {
+            if piece.start.position.abs() > farthest.0.abs() {
+                farthest = (piece.start.position, time);
+            }
+            time += piece.duration;
+        }
+        let (reached, time) = farthest;
+        let (allowed, limit) = if reached < 0.0 {
+            (-GREATEST_MAGNITUDE, "limits.min_position")
+        } else {
+            (GREATEST_MAGNITUDE, "limits.max_position")
+        };
+        InvalidFields::one(Field::default(), Why::PositionLimit { reached, time, allowed, limit })
     }
 
     /// The share of it that an axis moves that goes from `start` to `goal`. The motion begins at zero; each piece is placed from the end
