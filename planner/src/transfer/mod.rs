@@ -166,7 +166,8 @@ fn note_goal(invalid: &mut InvalidFields, goal: &State, bounds: &Bounds, names: 
 ///
 /// # Errors
 /// [`Why::GoalOutsideLimits`] where the goal lies behind and the bounds forbid to go back; [`Why::TooManyCycles`] of a motion that
-/// lasts longer than [`LONGEST`](crate::LONGEST); [`Why::PositionLimit`] of one that leaves the numbers.
+/// lasts longer than [`LONGEST`](crate::LONGEST); [`Why::PositionLimit`] of one that leaves the numbers; [`Why::NotImplemented`] where
+/// numbers do not have the digits to lay it.
 pub fn plan_transfer(transfer: &Transfer) -> Result<Transit, InvalidFields> {
     let planned = transit_of(transfer, &NAMES)?;
     planned.check_numbers()?;
@@ -180,7 +181,7 @@ fn transit_of(transfer: &Transfer, names: &Names) -> Result<Transit, InvalidFiel
     match fastest(scaled.ends_after(&lead), confines, way - lead.way, slack) {
         Some(shape) => {
             let course = Course::of(&lead, &shape, transfer, unit);
-            let planned = Transit::lay(transfer.start, transfer.goal, &course);
+            let planned = Transit::lay(transfer.start, transfer.goal, &course)?;
             check_duration(planned.duration())?;
             Ok(planned)
         }
@@ -204,7 +205,7 @@ pub(crate) fn check_duration(duration: f64) -> Result<(), InvalidFields> {
 /// The motion that takes `duration` \[s\]; none where there is none.
 fn lasting(transfer: &Transfer, duration: f64) -> Option<Transit> {
     let course = Timed::of(transfer).course(transfer, duration)?;
-    let mut transit = Transit::lay(transfer.start, transfer.goal, &course);
+    let mut transit = Transit::lay(transfer.start, transfer.goal, &course).ok()?;
     transit.last(duration);
     Some(transit)
 }
@@ -243,7 +244,7 @@ pub fn plan_velocity(start: State, velocity: f64, bounds: Bounds) -> Result<Tran
     let length = bounds.spec().max_jerk * unit * unit * unit;
     transfer.goal.position += (lead.way + change.goes) * length;
     let course = Course::of(&lead, &change.shape, &transfer, unit);
-    let planned = Transit::lay(start, transfer.goal, &course);
+    let planned = Transit::lay(start, transfer.goal, &course)?;
     check_duration(planned.duration())?;
     planned.check_numbers()?;
     Ok(planned)

@@ -8,6 +8,12 @@ use crate::profile::add_up;
 use crate::solve::Piece;
 use crate::{Law, Profile, Segment, Setpoint, State};
 
+/// Of the extent of a motion \[1\]: what its two ends may be apart where they meet.
+const GAP: f64 = 1e-12;
+
+/// Of the fastest of a motion \[1\]: what the velocity of its longest piece is rounded to.
+const CRAWL_ROUNDED: f64 = 64.0 * f64::EPSILON;
+
 /// The motion from one state to another: pieces of constant jerk, on the stack.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transit {
@@ -19,7 +25,10 @@ pub struct Transit {
 impl Transit {
     /// Lays the pieces of a course end to end, those up to the anchor forward from the start, those after it backward from the
     /// goal, each relative to its own end, so that both are met to the last bit, and what rounding there is meets in the middle.
-    pub(super) fn lay(start: State, goal: State, course: &Course) -> Self {
+    ///
+    /// # Errors
+    /// Where that is more than a rounding: the parts of the motion are so many decades apart that numbers do not have the digits.
+    pub(super) fn lay(start: State, goal: State, course: &Course) -> Result<Self, InvalidFields> {
         let mut transit = Self { pieces: ArrayVec::new(), start, goal };
         let (forward, backward) = course.strokes.split_at(course.anchor);
         let mut at = State { position: 0.0, ..start };
@@ -29,6 +38,7 @@ impl Transit {
             transit.push(jerk, time, start.position, at);
             at = at.after(jerk, time);
         }
+        let (seam, met) = (transit.pieces.len(), at.position);
         let mut begins: ArrayVec<State, MAX_TRANSIT_PIECES> = ArrayVec::new();
         let mut at = State { position: 0.0, ..goal };
         for &Stroke { jerk, time, acceleration, .. } in backward.iter().rev() {
@@ -42,10 +52,49 @@ impl Transit {
         for (&Stroke { jerk, time, .. }, &at) in backward.iter().zip(begins.iter().rev()) {
             transit.push(jerk, time, goal.position, at);
         }
-        if let Some(first) = transit.pieces.first_mut() {
-            first.start = start;
+        let comes_from = begins.last().map_or(0.0, |begin| begin.position);
+        let mut gap = (met - comes_from) - (goal.position - start.position);
+        if let Some(Piece { duration, start: first, .. }) = transit.pieces.first_mut() {
+            let (velocity, acceleration) =
+                (start.velocity - first.velocity, start.acceleration - first.acceleration);
+            gap += *duration * (velocity + 0.5 * *duration * acceleration);
+            *first = start;
         }
-        transit
+        let closed = transit.close(seam.max(1), gap);
+        if closed { Ok(transit) } else { Err(too_far_apart()) }
+    }
+
+    /// Closes a gap where both ends meet, which goes so far beyond, by the longest piece; says whether it could.
+    ///
+    /// Where a motion is fast, and for long slow or all but steady, what its velocity is rounded to is a way that counts: it has the
+    /// longest piece a little slower. Or that piece is a little shorter, over which its velocity does not change by more than roundings.
+    fn close(&mut self, seam: usize, gap: f64) -> bool {
+        if gap.abs() <= GAP * (self.goal.position - self.start.position).abs() {
+            return true;
+        }
+        let most = |part: &dyn Fn(&State) -> f64| {
+            self.pieces.iter().fold(0.0, |most, piece| largest(most, part(&piece.start).abs()))
+        };
+        let extent = most(&|state| state.position - self.start.position);
+        let longest = (0..self.pieces.len())
+            .max_by(|&one, &other| self.pieces[one].duration.total_cmp(&self.pieces[other].duration));
+        let Some(longest) = longest.filter(|_| gap.abs() > GAP * extent) else { return true };
+        let rounding = CRAWL_ROUNDED * most(&|state| state.velocity);
+        let Piece { duration, start: State { velocity, acceleration, .. }, .. } = &mut self.pieces[longest];
+        let (slower, shorter) = (gap / *duration, gap / *velocity);
+        if longest > 0 && slower.abs() <= rounding {
+            *velocity -= slower;
+        } else if shorter.abs() <= 0.5 * *duration && (*acceleration * shorter).abs() <= rounding {
+            *duration -= shorter;
+        } else {
+            return false;
+        }
+        let (between, shift) =
+            if longest < seam { (longest + 1..seam, -gap) } else { (seam..longest + 1, gap) };
+        for piece in &mut self.pieces[between] {
+            piece.start.position += shift;
+        }
+        true
     }
 
     /// Goes on with the piece before where the jerk stays the same.
@@ -175,6 +224,13 @@ impl Transit {
     pub fn to_profile(&self) -> Profile {
         Profile::new(self.pieces.iter().map(segment), self.goal)
     }
+}
+
+#[cold]
+fn too_far_apart() -> InvalidFields {
+    let what = "a motion of which some parts are faster than others by more digits than numbers have";
+    let instead = "bring the limits and the states closer together";
+    InvalidFields::one(Field::default(), Why::NotImplemented { what, instead })
 }
 
 fn segment(&Piece { duration, start, jerk }: &Piece) -> Segment {
