@@ -181,7 +181,7 @@ fn transit_of(transfer: &Transfer, names: &Names) -> Result<Transit, InvalidFiel
     match fastest(scaled.ends_after(&lead), confines, way - lead.way, slack) {
         Some(shape) => {
             let course = Course::of(&lead, &shape, transfer, unit);
-            let planned = Transit::lay(transfer.start, transfer.goal, &course)?;
+            let planned = Transit::lay(transfer.start, transfer.goal, &course, None)?;
             check_duration(planned.duration())?;
             Ok(planned)
         }
@@ -205,9 +205,7 @@ pub(crate) fn check_duration(duration: f64) -> Result<(), InvalidFields> {
 /// The motion that takes `duration` \[s\]; none where there is none.
 fn lasting(transfer: &Transfer, duration: f64) -> Option<Transit> {
     let course = Timed::of(transfer).course(transfer, duration)?;
-    let mut transit = Transit::lay(transfer.start, transfer.goal, &course).ok()?;
-    transit.last(duration);
-    Some(transit)
+    Transit::lay(transfer.start, transfer.goal, &course, Some(duration)).ok()
 }
 
 /// The goal lies behind: what can be reached is where the axis can come to a stop.
@@ -244,7 +242,7 @@ pub fn plan_velocity(start: State, velocity: f64, bounds: Bounds) -> Result<Tran
     let length = bounds.spec().max_jerk * unit * unit * unit;
     transfer.goal.position += (lead.way + change.goes) * length;
     let course = Course::of(&lead, &change.shape, &transfer, unit);
-    let planned = Transit::lay(start, transfer.goal, &course)?;
+    let planned = Transit::lay(start, transfer.goal, &course, None)?;
     check_duration(planned.duration())?;
     planned.check_numbers()?;
     Ok(planned)

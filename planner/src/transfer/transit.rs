@@ -6,10 +6,13 @@ use crate::float::largest;
 use crate::limits::GREATEST_MAGNITUDE;
 use crate::profile::add_up;
 use crate::solve::Piece;
-use crate::{Law, Profile, Segment, Setpoint, State};
+use crate::{JOIN_TOLERANCE, Law, Profile, Segment, Setpoint, State};
 
 /// Of the extent of a motion \[1\]: what its two ends may be apart where they meet.
 const GAP: f64 = 1e-12;
+
+/// Of the positions \[1\]: what their distance is rounded to.
+const POSITION_ROUNDED: f64 = 8.0 * f64::EPSILON;
 
 /// Of the fastest of a motion \[1\]: what the velocity of its longest piece is rounded to.
 const CRAWL_ROUNDED: f64 = 64.0 * f64::EPSILON;
@@ -24,11 +27,17 @@ pub struct Transit {
 
 impl Transit {
     /// Lays the pieces of a course end to end, those up to the anchor forward from the start, those after it backward from the
-    /// goal, each relative to its own end, so that both are met to the last bit, and what rounding there is meets in the middle.
+    /// goal, each relative to its own end, so that both are met to the last bit, and what rounding there is meets in the middle. It
+    /// lasts `duration` \[s\], where that is given.
     ///
     /// # Errors
     /// Where that is more than a rounding: the parts of the motion are so many decades apart that numbers do not have the digits.
-    pub(super) fn lay(start: State, goal: State, course: &Course) -> Result<Self, InvalidFields> {
+    pub(super) fn lay(
+        start: State,
+        goal: State,
+        course: &Course,
+        duration: Option<f64>,
+    ) -> Result<Self, InvalidFields> {
         let mut transit = Self { pieces: ArrayVec::new(), start, goal };
         let (forward, backward) = course.strokes.split_at(course.anchor);
         let mut at = State { position: 0.0, ..start };
@@ -60,34 +69,40 @@ impl Transit {
             gap += *duration * (velocity + 0.5 * *duration * acceleration);
             *first = start;
         }
-        let closed = transit.close(seam.max(1), gap);
+        if let Some(duration) = duration {
+            transit.last(duration);
+        }
+        let closed = transit.close(seam.max(1), gap, duration.is_none());
         if closed { Ok(transit) } else { Err(too_far_apart()) }
     }
 
     /// Closes a gap where both ends meet, which goes so far beyond, by the longest piece; says whether it could.
     ///
     /// Where a motion is fast, and for long slow or all but steady, what its velocity is rounded to is a way that counts: it has the
-    /// longest piece a little slower. Or that piece is a little shorter, over which its velocity does not change by more than roundings.
-    fn close(&mut self, seam: usize, gap: f64) -> bool {
-        if gap.abs() <= GAP * (self.goal.position - self.start.position).abs() {
+    /// longest piece a little slower. Or, where the duration is free, that piece is a little shorter, over which its velocity does not change by more than roundings.
+    fn close(&mut self, seam: usize, gap: f64, is_free: bool) -> bool {
+        let Self { start, goal, .. } = *self;
+        // Of this the positions know nothing.
+        let unseen = POSITION_ROUNDED * largest(start.position.abs(), goal.position.abs());
+        if gap.abs() <= GAP * (goal.position - start.position).abs() + unseen {
             return true;
         }
         let most = |part: &dyn Fn(&State) -> f64| {
             self.pieces.iter().fold(0.0, |most, piece| largest(most, part(&piece.start).abs()))
         };
-        let extent = most(&|state| state.position - self.start.position);
+        let extent = most(&|state| state.position - start.position);
         let longest = (0..self.pieces.len())
             .max_by(|&one, &other| self.pieces[one].duration.total_cmp(&self.pieces[other].duration));
-        let Some(longest) = longest.filter(|_| gap.abs() > GAP * extent) else { return true };
+        let Some(longest) = longest.filter(|_| gap.abs() > GAP * extent + unseen) else { return true };
         let rounding = CRAWL_ROUNDED * most(&|state| state.velocity);
         let Piece { duration, start: State { velocity, acceleration, .. }, .. } = &mut self.pieces[longest];
         let (slower, shorter) = (gap / *duration, gap / *velocity);
         if longest > 0 && slower.abs() <= rounding {
             *velocity -= slower;
-        } else if shorter.abs() <= 0.5 * *duration && (*acceleration * shorter).abs() <= rounding {
+        } else if is_free && shorter.abs() <= 0.5 * *duration && (*acceleration * shorter).abs() <= rounding {
             *duration -= shorter;
         } else {
-            return false;
+            return gap.abs() <= JOIN_TOLERANCE * extent + unseen;
         }
         let (between, shift) =
             if longest < seam { (longest + 1..seam, -gap) } else { (seam..longest + 1, gap) };
