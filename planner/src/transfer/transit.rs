@@ -11,6 +11,9 @@ use crate::{JOIN_TOLERANCE, Law, Profile, Segment, Setpoint, State};
 /// Of the extent of a motion \[1\]: what its two ends may be apart where they meet.
 const GAP: f64 = 1e-12;
 
+/// Of the extent of a motion \[1\]: a gap that is known to [`GAP`] of it.
+const MOST_CLOSED: f64 = 1e3;
+
 /// Of the positions \[1\]: what their distance is rounded to.
 const POSITION_ROUNDED: f64 = 8.0 * f64::EPSILON;
 
@@ -79,7 +82,8 @@ impl Transit {
     /// Closes a gap where both ends meet, which goes so far beyond, by the longest piece; says whether it could.
     ///
     /// Where a motion is fast, and for long slow or all but steady, what its velocity is rounded to is a way that counts: it has the
-    /// longest piece a little slower. Or, where the duration is free, that piece is a little shorter, over which its velocity does not change by more than roundings.
+    /// longest piece a little slower. Or, where the duration is free, that piece is a little shorter, over which its velocity does not
+    /// change by more than roundings.
     fn close(&mut self, seam: usize, gap: f64, is_free: bool) -> bool {
         let Self { start, goal, .. } = *self;
         // Of this the positions know nothing.
@@ -94,6 +98,9 @@ impl Transit {
         let longest = (0..self.pieces.len())
             .max_by(|&one, &other| self.pieces[one].duration.total_cmp(&self.pieces[other].duration));
         let Some(longest) = longest.filter(|_| gap.abs() > GAP * extent + unseen) else { return true };
+        if gap.abs() > MOST_CLOSED * extent {
+            return false;
+        }
         let rounding = CRAWL_ROUNDED * most(&|state| state.velocity);
         let Piece { duration, start: State { velocity, acceleration, .. }, .. } = &mut self.pieces[longest];
         let (slower, shorter) = (gap / *duration, gap / *velocity);
