@@ -94,7 +94,13 @@ impl Transit {
         let most = |part: &dyn Fn(&State) -> f64| {
             self.pieces.iter().fold(0.0, |most, piece| largest(most, part(&piece.start).abs()))
         };
-        let extent = most(&|state| state.position - start.position);
+        let distance = (goal.position - start.position).abs();
+        // Also of a piece that turns on its way, which under jerk is none of those that wait for long.
+        let extent = self.pieces.iter().fold(distance, |most, piece| {
+            let goes =
+                if piece.jerk == 0.0 { 0.0 } else { 0.25 * piece.start.velocity.abs() * piece.duration };
+            largest(most, largest(goes, (piece.start.position - start.position).abs()))
+        });
         let longest = (0..self.pieces.len())
             .max_by(|&one, &other| self.pieces[one].duration.total_cmp(&self.pieces[other].duration));
         let Some(longest) = longest.filter(|_| gap.abs() > GAP * extent + unseen) else { return true };
