@@ -95,10 +95,10 @@ impl Transit {
             self.pieces.iter().fold(0.0, |most, piece| largest(most, part(&piece.start).abs()))
         };
         let distance = (goal.position - start.position).abs();
-        // Also of a piece that turns on its way, which under jerk is none of those that wait for long.
+        // Also of a piece that turns on its way.
         let extent = self.pieces.iter().fold(distance, |most, piece| {
-            let goes =
-                if piece.jerk == 0.0 { 0.0 } else { 0.25 * piece.start.velocity.abs() * piece.duration };
+            let turns = piece.jerk != 0.0 || self.pieces.len() < 3;
+            let goes = if turns { piece.start.velocity.abs() * piece.duration } else { 0.0 };
             largest(most, largest(goes, (piece.start.position - start.position).abs()))
         });
         let longest = (0..self.pieces.len())
