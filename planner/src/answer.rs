@@ -207,17 +207,13 @@ fn on_cycle(passage: &Passage, fastest: f64, cycle_time: CycleTime) -> Result<Tr
     let named = |refusal: InvalidFields| passage::named(&refusal, limits);
     let question = AxisTransfer::within_limits(passage.start(), passage.goal(), limits).map_err(named)?;
     let mut lasts = grid::whole(fastest, cycle_time)?;
+    let mut step = 0.5 * cycle_time.as_seconds();
     loop {
-        lasts = match question.lasting(lasts) {
+        let border = match question.lasting(lasts) {
             Ok(transit) => return Ok(transit),
             Err(NoSuchDuration::Invalid(refusal)) => return Err(named(refusal)),
-            // A border may be inside by a rounding: then it is the next cycle.
-            Err(NoSuchDuration::Blocked { given, before, .. }) if before < f64::INFINITY => {
-                grid::whole(largest(before, given * (1.0 + 2.0 * f64::EPSILON)), cycle_time)?
-            }
-            Err(NoSuchDuration::TooShort { given, least }) => {
-                grid::whole(largest(least, given * (1.0 + 2.0 * f64::EPSILON)), cycle_time)?
-            }
+            Err(NoSuchDuration::Blocked { before, .. }) if before < f64::INFINITY => before,
+            Err(NoSuchDuration::TooShort { least, .. }) => least,
             Err(NoSuchDuration::Blocked { given, after, .. }) => {
                 let why = Why::ArrivesEarly { given, greatest: after };
                 return Err(InvalidFields::one(Field::default(), why));
@@ -226,6 +222,12 @@ fn on_cycle(passage: &Passage, fastest: f64, cycle_time: CycleTime) -> Result<Tr
                 let why = Why::TooManyCycles { seconds: given };
                 return Err(InvalidFields::one(Field::default(), why));
             }
+        };
+        // A border may be inside by a rounding: then it is the next cycle, or twice as many on, so that it ends.
+        let passes = border > lasts;
+        lasts = grid::whole(largest(border, lasts + step), cycle_time)?;
+        if !passes {
+            step *= 2.0;
         }
     }
 }

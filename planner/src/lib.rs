@@ -181,8 +181,8 @@ pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_
 pub use state::State;
 pub use together::{Timing, Together, together};
 pub use transfer::{
-    Arrivals, AxisTransfer, Blocked, Bounds, BoundsSpec, MAX_BLOCKED, MAX_TRANSIT_PIECES, NoSuchDuration,
-    Transfer, Transit, plan_between, plan_transfer, plan_velocity,
+    Arrivals, AxisTransfer, Blocked, Bounds, BoundsSpec, LONGEST, MAX_BLOCKED, MAX_TRANSIT_PIECES,
+    NoSuchDuration, Transfer, Transit, plan_between, plan_transfer, plan_velocity,
 };
 pub use trigonometric::plan_trigonometric;
 pub use verify::{

@@ -77,7 +77,7 @@ impl Tally {
             }
             durations.extend([interval.after * (1.0 - BESIDE), last * (1.0 + BESIDE)]);
         }
-        for duration in durations {
+        for duration in durations.into_iter().filter(|duration| *duration <= planner::LONGEST) {
             match axis.lasting(duration) {
                 Ok(planned) => {
                     assert!(

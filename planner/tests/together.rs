@@ -466,7 +466,7 @@ fn what_is_refused() {
         ),
         (
             refused(&[to(rest(1.0)), leaves], time, Timing::default()),
-            "axes[1]: the motion reaches -0.024583333333333332 at 0.05 s, beyond -0.01: stay inside or move \
+            "axes[1]: the motion reaches -0.13739583333333333 at 0.525 s, beyond -0.01: stay inside or move \
              limits.min_position",
         ),
         (

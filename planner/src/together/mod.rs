@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use crate::error::{Field, InvalidFields, Why};
 use crate::grid;
 use crate::limits::not_finite;
-use crate::transfer::is_same_time;
+use crate::transfer::{check_duration, is_same_time};
 use crate::{AxisTransfer, CycleTime, MAX_AXES, Synchronization, Transit};
 use line::Line;
 
@@ -57,7 +57,7 @@ pub struct Together {
 ///
 /// # Errors
 /// All with the axis in the path. Those of [`AxisTransfer::fastest`]; [`Why::NoAxes`] and [`Why::TooManyAxes`]; a minimum duration that is none;
-/// [`Why::TooManyCycles`]; [`Why::ArrivesEarly`] where an axis that may not go back cannot take as long as
+/// [`Why::TooManyCycles`], also of a duration beyond [`LONGEST`](crate::LONGEST); [`Why::ArrivesEarly`] where an axis that may not go back cannot take as long as
 /// the others; on a line [`Why::OffTheLine`], with the value that would be on it,
 /// and [`Why::StartOutsideLimits`] of an acceleration that would take the axis beyond its velocity, as the line has less jerk to end it.
 /// `transits` is then of no use.
@@ -176,7 +176,9 @@ fn settle(
         agreed = Together { duration: timing.minimum_duration, critical: None };
     }
     let mut nudge = FIRST_NUDGE;
+    // Each round but the last passes an interval, of which an axis has no more than MAX_BLOCKED, or doubles the nudge.
     'agreeing: loop {
+        check_duration(agreed.duration)?;
         if let Some(cycle) = timing.end_on {
             let on_cycle = grid::whole(agreed.duration, cycle)?;
             if on_cycle > agreed.duration {

@@ -1,7 +1,7 @@
 use super::arrivals::Arrivals;
 use super::timed::{Timed, is_same_time};
 use super::transit::Transit;
-use super::{BoundsSpec, Transfer, lasting, mapped, plan_transfer};
+use super::{BoundsSpec, NAMES, Transfer, check_duration, lasting, mapped, transit_of};
 use crate::error::InvalidFields;
 use crate::limits::not_finite;
 use crate::{Limits, Shortest, State};
@@ -101,7 +101,7 @@ impl<'a> AxisTransfer<'a> {
         }
     }
 
-    /// The fastest motion: [`plan_transfer`], or [`plan_between`](crate::plan_between).
+    /// The fastest motion: [`plan_transfer`](crate::plan_transfer), or [`plan_between`](crate::plan_between).
     ///
     /// # Errors
     /// As those two.
@@ -134,6 +134,7 @@ impl<'a> AxisTransfer<'a> {
         if not_finite(duration).is_some() {
             return Err(NoSuchDuration::NotFinite { given: duration });
         }
+        check_duration(duration)?;
         let fastest = self.quickest()?;
         let least = fastest.duration();
         if is_same_time(duration, least) {
@@ -156,7 +157,7 @@ impl<'a> AxisTransfer<'a> {
     /// The fastest, wherever it leads.
     pub(crate) fn quickest(&self) -> Result<Transit, InvalidFields> {
         match self.within {
-            Within::Bounds(transfer) => plan_transfer(&transfer),
+            Within::Bounds(transfer) => transit_of(&transfer, &NAMES),
             Within::Limits { start, goal, limits } => mapped::fastest(start, goal, limits),
         }
     }
@@ -184,6 +185,7 @@ impl<'a> AxisTransfer<'a> {
     }
 
     pub(crate) fn check_range(&self, planned: &Transit) -> Result<(), InvalidFields> {
+        planned.check_numbers()?;
         match self.within {
             Within::Bounds(_) => Ok(()),
             Within::Limits { limits, .. } => mapped::within_range(planned, limits),

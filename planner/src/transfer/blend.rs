@@ -1,12 +1,14 @@
 use arrayvec::ArrayVec;
 
 use super::bounds::{Bounds, BoundsSpec};
-use super::course::{Course, MAX_TRANSIT_PIECES, SIGNS, Shape};
+use super::course::{Course, SIGNS, Shape};
 use super::steady::{Side, Steady};
-use crate::float::least;
 
 /// The most strokes of a motion that is blended: those of a member of a family.
 const MOST: usize = 7;
+
+/// The most strokes of two of them side by side: each ends where one of theirs does, the last where both do.
+const MOST_SIDE_BY_SIDE: usize = 2 * MOST - 1;
 
 /// A stroke in the time unit that makes the jerk limit 1, of motions that are to be blended. A list of them has no stroke without time.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +86,7 @@ impl Course {
         let before = Walk::of(strands, false).take_while(|(at, _)| *at != [up, low]);
         let back = |index: usize, strand: &Strand| strand.beats.len() - 1 - index;
         let from_back = [back(up, strands[0]), back(low, strands[1])];
-        let after: ArrayVec<_, MAX_TRANSIT_PIECES> = Walk::of(strands, true)
+        let after: ArrayVec<_, MOST_SIDE_BY_SIDE> = Walk::of(strands, true)
             .take_while(|(at, _)| *at != from_back)
             .map(|([up, low], time)| ([back(up, strands[0]), back(low, strands[1])], time))
             .collect();
@@ -164,12 +166,16 @@ impl Iterator for Walk<'_> {
         self.beat(0)?;
         self.beat(1)?;
         let at = self.at;
-        let time = least(self.left[0], self.left[1]);
-        for which in [0, 1] {
-            self.left[which] -= time;
-            if self.left[which] <= 0.0 {
+        let [first, second] = self.left;
+        // One of both ends whatever was given: of times that are no numbers a difference is never zero.
+        let outlasts = first > second;
+        let time = if outlasts { second } else { first };
+        for (which, ends) in [!outlasts, first >= second].into_iter().enumerate() {
+            if ends {
                 self.at[which] += 1;
                 self.left[which] = self.beat(which).map_or(0.0, |beat| beat.time);
+            } else {
+                self.left[which] -= time;
             }
         }
         Some((at, time))

@@ -46,16 +46,14 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// The way back into the limits of a start with this acceleration, with room for what comes after it. An acceleration that is
-    /// held is the limit itself: what little it were off by would add up.
-    pub(super) fn led(lead: &LeadIn, mut acceleration: f64, bounds: &Bounds, unit: f64) -> Self {
+    /// The way back into the limits, with room for what comes after it. An acceleration that is held is the limit itself: what
+    /// little it were off by would add up.
+    pub(super) fn led(lead: &LeadIn, bounds: &Bounds, unit: f64) -> Self {
         let BoundsSpec { min_acceleration, max_acceleration, max_jerk, .. } = *bounds.spec();
         let mut course = Self { strokes: ArrayVec::new(), anchor: 0 };
+        let limit = if lead.held < 0.0 { min_acceleration } else { max_acceleration };
         for &(sign, time) in &lead.pieces {
-            let (jerk, time) = (sign * max_jerk, time * unit);
-            let limit = if acceleration < 0.0 { min_acceleration } else { max_acceleration };
-            course.add(jerk, time, (jerk == 0.0).then_some(limit), None);
-            acceleration += jerk * time;
+            course.add(sign * max_jerk, time * unit, (sign == 0.0).then_some(limit), None);
         }
         course.anchor = course.strokes.len();
         course
@@ -63,8 +61,8 @@ impl Course {
 
     /// The way back into the limits, and a member of a family; `unit` is the time unit \[s\] of both.
     pub(super) fn of(lead: &LeadIn, shape: &Shape, transfer: &Transfer, unit: f64) -> Self {
-        let Transfer { start, bounds, .. } = transfer;
-        let mut course = Self::led(lead, start.acceleration, bounds, unit);
+        let Transfer { bounds, .. } = transfer;
+        let mut course = Self::led(lead, bounds, unit);
         course.phases(shape, bounds, unit);
         course
     }

@@ -28,6 +28,8 @@ pub(super) struct LeadIn {
     pub(super) pieces: ArrayVec<(f64, f64), 3>,
     pub(super) reached: Moving,
     pub(super) way: f64,
+    /// The sign of the acceleration that is held, where one is: of times that add up to far more it could not be told.
+    pub(super) held: f64,
 }
 
 impl LeadIn {
@@ -42,7 +44,7 @@ impl LeadIn {
     ///   └────────┴──── t                       ┴
     /// ```
     pub(super) fn of(start: Moving, limits: Confines) -> Self {
-        let mut lead = Self { pieces: ArrayVec::new(), reached: start, way: 0.0 };
+        let mut lead = Self { pieces: ArrayVec::new(), reached: start, way: 0.0, held: 0.0 };
         let Confines { bottom, top, up, down } = limits;
         if start.acceleration > up {
             lead.go(-1.0, start.acceleration - up);
@@ -73,6 +75,7 @@ impl LeadIn {
         self.go(-sign, acceleration + depth);
         self.reached.acceleration = -sign * depth;
         self.go(0.0, hold);
+        self.held = -sign;
         let reached = Moving { velocity: top + 0.5 * depth * depth, acceleration: -depth };
         self.reached = if sign < 0.0 { reached.mirrored() } else { reached };
     }

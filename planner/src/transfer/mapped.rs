@@ -20,9 +20,11 @@ use crate::problem::note_not_finite;
 use crate::roots::quadratic;
 use crate::{Law, Limits, Segment, State};
 
-/// Of the hardest and of the fastest \[1\]: what an acceleration may be beyond its limit, and a velocity be beside zero, since they
-/// were computed.
+/// Of the hardest \[1\]: what an acceleration may be beyond its limit, since it was computed.
 const ROUNDED: f64 = 1e-12;
+
+/// Of the fastest \[1\]: what a velocity may be beside zero, since it was computed; less than the judge takes for none.
+const STANDSTILL: f64 = 4.0 * f64::EPSILON;
 
 /// The names of signed bounds in [`Limits`].
 const NAMES: Names = Names {
@@ -135,7 +137,7 @@ fn bounds(limits: &Limits, up: f64, down: f64) -> Bounds {
 fn keeps(planned: &Transit, limits: &Limits) -> bool {
     let segments = planned.segments();
     let begins = segments.iter().map(|segment| segment.start.velocity.abs());
-    let standstill = ROUNDED * begins.fold(planned.end().velocity.abs(), largest);
+    let standstill = STANDSTILL * begins.fold(planned.end().velocity.abs(), largest);
     let begins = segments.iter().map(|segment| segment.start.acceleration.abs());
     let rounding = ROUNDED * begins.fold(planned.end().acceleration.abs(), largest);
     segments.iter().enumerate().all(|(index, segment)| {

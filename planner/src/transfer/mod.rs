@@ -41,6 +41,7 @@ pub use transit::Transit;
 
 use crate::State;
 use crate::error::{Field, InvalidFields, Why};
+use crate::float::{largest, least};
 use crate::problem::note_not_finite;
 use course::Course;
 use ends::{Ends, Moving};
@@ -164,9 +165,13 @@ fn note_goal(invalid: &mut InvalidFields, goal: &State, bounds: &Bounds, names: 
 /// ```
 ///
 /// # Errors
-/// [`Why::GoalOutsideLimits`] where the goal lies behind and the bounds forbid to go back.
+/// [`Why::GoalOutsideLimits`] where the goal lies behind and the bounds forbid to go back; [`Why::TooManyCycles`] of a motion that
+/// lasts longer than [`LONGEST`](crate::LONGEST); [`Why::PositionLimit`] of one that leaves the numbers; [`Why::NotImplemented`] where
+/// numbers do not have the digits to lay it.
 pub fn plan_transfer(transfer: &Transfer) -> Result<Transit, InvalidFields> {
-    transit_of(transfer, &NAMES)
+    let planned = transit_of(transfer, &NAMES)?;
+    planned.check_numbers()?;
+    Ok(planned)
 }
 
 fn transit_of(transfer: &Transfer, names: &Names) -> Result<Transit, InvalidFields> {
@@ -176,18 +181,31 @@ fn transit_of(transfer: &Transfer, names: &Names) -> Result<Transit, InvalidFiel
     match fastest(scaled.ends_after(&lead), confines, way - lead.way, slack) {
         Some(shape) => {
             let course = Course::of(&lead, &shape, transfer, unit);
-            Ok(Transit::lay(transfer.start, transfer.goal, &course))
+            let planned = Transit::lay(transfer.start, transfer.goal, &course, None)?;
+            check_duration(planned.duration())?;
+            Ok(planned)
         }
         None => Err(behind(transfer, names)),
     }
 }
 
+/// The longest motion \[s\]: as many of the longest cycles as can be counted.
+pub const LONGEST: f64 = crate::LAST_CYCLE as f64;
+
+/// Can a motion last `duration` \[s\]?
+pub(crate) fn check_duration(duration: f64) -> Result<(), InvalidFields> {
+    // Also false for NaN: of a time beyond the numbers not even the size is known.
+    if duration <= LONGEST {
+        return Ok(());
+    }
+    let seconds = if duration.is_nan() { f64::INFINITY } else { duration };
+    Err(InvalidFields::one(Field::default(), Why::TooManyCycles { seconds }))
+}
+
 /// The motion that takes `duration` \[s\]; none where there is none.
 fn lasting(transfer: &Transfer, duration: f64) -> Option<Transit> {
     let course = Timed::of(transfer).course(transfer, duration)?;
-    let mut transit = Transit::lay(transfer.start, transfer.goal, &course);
-    transit.last(duration);
-    Some(transit)
+    Transit::lay(transfer.start, transfer.goal, &course, Some(duration)).ok()
 }
 
 /// The goal lies behind: what can be reached is where the axis can come to a stop.
@@ -212,7 +230,8 @@ fn behind(transfer: &Transfer, names: &Names) -> InvalidFields {
 /// ```
 ///
 /// # Errors
-/// Every number that is not finite, and a velocity that is not within `bounds`.
+/// Every number that is not finite, and a velocity that is not within `bounds`; as [`plan_transfer`] of a motion that lasts too long,
+/// or leaves the numbers.
 pub fn plan_velocity(start: State, velocity: f64, bounds: Bounds) -> Result<Transit, InvalidFields> {
     let goal = State { velocity, ..State::at_rest(start.position) };
     let mut transfer = Transfer::new(start, goal, bounds)?;
@@ -223,7 +242,10 @@ pub fn plan_velocity(start: State, velocity: f64, bounds: Bounds) -> Result<Tran
     let length = bounds.spec().max_jerk * unit * unit * unit;
     transfer.goal.position += (lead.way + change.goes) * length;
     let course = Course::of(&lead, &change.shape, &transfer, unit);
-    Ok(Transit::lay(start, transfer.goal, &course))
+    let planned = Transit::lay(start, transfer.goal, &course, None)?;
+    check_duration(planned.duration())?;
+    planned.check_numbers()?;
+    Ok(planned)
 }
 
 /// A question in units in which the jerk limit is 1 and the motion about as large.
@@ -274,10 +296,10 @@ impl Scaled {
                 acceleration: (goal.acceleration - start.acceleration) * acceleration,
             },
             confines: Confines {
-                bottom: min_velocity * velocity,
-                top: max_velocity * velocity,
-                up: max_acceleration * acceleration,
-                down: -min_acceleration * acceleration,
+                bottom: largest(-OUT_OF_REACH * OUT_OF_REACH, min_velocity * velocity),
+                top: least(OUT_OF_REACH * OUT_OF_REACH, max_velocity * velocity),
+                up: least(OUT_OF_REACH, max_acceleration * acceleration),
+                down: least(OUT_OF_REACH, -min_acceleration * acceleration),
             },
             way: distance * length,
             slack: POSITION_SLACK * start.position.abs().max(goal.position.abs()) * length,
@@ -296,8 +318,13 @@ impl Scaled {
 /// what the judge allows, so that it has room for roundings of its own.
 const POSITION_SLACK: f64 = 4.0 * f64::EPSILON;
 
-/// Of the time unit: its cube is a number in either direction.
-const GREATEST_EXPONENT: i32 = 300;
+/// Of the time unit: a length is divided by its cube and by the jerk limit, from [`LEAST_LIMIT`](crate::LEAST_LIMIT) on; both
+/// are numbers in either direction, and so are their products with what is measured in them.
+const GREATEST_EXPONENT: i32 = 200;
+
+/// Of the time unit to the power of −[`GREATEST_EXPONENT`]: longer than any motion, so that an acceleration that takes so long to
+/// be reached never is, nor a velocity that takes the square of it; and its fourth power is a number.
+const OUT_OF_REACH: f64 = power_of_two(GREATEST_EXPONENT + 53);
 
 /// The power of two of a number; that of zero is far below every other.
 fn exponent(value: f64) -> i32 {
@@ -305,6 +332,6 @@ fn exponent(value: f64) -> i32 {
 }
 
 /// 2 to the power of `exponent`, of ±[`GREATEST_EXPONENT`] at most.
-fn power_of_two(exponent: i32) -> f64 {
+const fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((exponent + 1023) as u64) << 52)
 }

@@ -69,7 +69,7 @@ impl Timed {
     pub(super) fn course(&self, transfer: &Transfer, duration: f64) -> Option<Course> {
         let time = duration / self.unit - self.led_for();
         let found = self.lasting(time)?;
-        let mut course = Course::led(&self.lead, transfer.start.acceleration, &transfer.bounds, self.unit);
+        let mut course = Course::led(&self.lead, &transfer.bounds, self.unit);
         match &found {
             Found::Steady(steady) => course.steady(steady, &transfer.bounds, self.unit),
             Found::Member(shape) => course.phases(shape, &transfer.bounds, self.unit),

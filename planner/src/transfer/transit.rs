@@ -1,9 +1,24 @@
 use arrayvec::ArrayVec;
 
 use super::course::{Course, MAX_TRANSIT_PIECES, Stroke};
+use crate::error::{Field, InvalidFields, Why};
+use crate::float::largest;
+use crate::limits::GREATEST_MAGNITUDE;
 use crate::profile::add_up;
 use crate::solve::Piece;
-use crate::{Law, Profile, Segment, Setpoint, State};
+use crate::{JOIN_TOLERANCE, Law, Profile, Segment, Setpoint, State};
+
+/// Of the extent of a motion \[1\]: what its two ends may be apart where they meet.
+const GAP: f64 = 1e-12;
+
+/// Of the extent of a motion \[1\]: a gap that is known to [`GAP`] of it.
+const MOST_CLOSED: f64 = 1e3;
+
+/// Of the positions \[1\]: what their distance is rounded to.
+const POSITION_ROUNDED: f64 = 8.0 * f64::EPSILON;
+
+/// Of the fastest of a motion \[1\]: what the velocity of its longest piece is rounded to.
+const CRAWL_ROUNDED: f64 = 64.0 * f64::EPSILON;
 
 /// The motion from one state to another: pieces of constant jerk, on the stack.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,8 +30,17 @@ pub struct Transit {
 
 impl Transit {
     /// Lays the pieces of a course end to end, those up to the anchor forward from the start, those after it backward from the
-    /// goal, each relative to its own end, so that both are met to the last bit, and what rounding there is meets in the middle.
-    pub(super) fn lay(start: State, goal: State, course: &Course) -> Self {
+    /// goal, each relative to its own end, so that both are met to the last bit, and what rounding there is meets in the middle. It
+    /// lasts `duration` \[s\], where that is given.
+    ///
+    /// # Errors
+    /// Where that is more than a rounding: the parts of the motion are so many decades apart that numbers do not have the digits.
+    pub(super) fn lay(
+        start: State,
+        goal: State,
+        course: &Course,
+        duration: Option<f64>,
+    ) -> Result<Self, InvalidFields> {
         let mut transit = Self { pieces: ArrayVec::new(), start, goal };
         let (forward, backward) = course.strokes.split_at(course.anchor);
         let mut at = State { position: 0.0, ..start };
@@ -26,6 +50,7 @@ impl Transit {
             transit.push(jerk, time, start.position, at);
             at = at.after(jerk, time);
         }
+        let (seam, met) = (transit.pieces.len(), at.position);
         let mut begins: ArrayVec<State, MAX_TRANSIT_PIECES> = ArrayVec::new();
         let mut at = State { position: 0.0, ..goal };
         for &Stroke { jerk, time, acceleration, .. } in backward.iter().rev() {
@@ -39,10 +64,65 @@ impl Transit {
         for (&Stroke { jerk, time, .. }, &at) in backward.iter().zip(begins.iter().rev()) {
             transit.push(jerk, time, goal.position, at);
         }
-        if let Some(first) = transit.pieces.first_mut() {
-            first.start = start;
+        let comes_from = begins.last().map_or(0.0, |begin| begin.position);
+        let mut gap = (met - comes_from) - (goal.position - start.position);
+        if let Some(Piece { duration, start: first, .. }) = transit.pieces.first_mut() {
+            let (velocity, acceleration) =
+                (start.velocity - first.velocity, start.acceleration - first.acceleration);
+            gap += *duration * (velocity + 0.5 * *duration * acceleration);
+            *first = start;
         }
-        transit
+        if let Some(duration) = duration {
+            transit.last(duration);
+        }
+        let closed = transit.close(seam.max(1), gap, duration.is_none());
+        if closed { Ok(transit) } else { Err(too_far_apart()) }
+    }
+
+    /// Closes a gap where both ends meet, which goes so far beyond, by the longest piece; says whether it could.
+    ///
+    /// Where a motion is fast, and for long slow or all but steady, what its velocity is rounded to is a way that counts: it has the
+    /// longest piece a little slower. Or, where the duration is free, that piece is a little shorter, over which its velocity does not
+    /// change by more than roundings.
+    fn close(&mut self, seam: usize, gap: f64, is_free: bool) -> bool {
+        let Self { start, goal, .. } = *self;
+        // Of this the positions know nothing.
+        let unseen = POSITION_ROUNDED * largest(start.position.abs(), goal.position.abs());
+        if gap.abs() <= GAP * (goal.position - start.position).abs() + unseen {
+            return true;
+        }
+        let most = |part: &dyn Fn(&State) -> f64| {
+            self.pieces.iter().fold(0.0, |most, piece| largest(most, part(&piece.start).abs()))
+        };
+        let distance = (goal.position - start.position).abs();
+        // Also of a piece that turns on its way.
+        let extent = self.pieces.iter().fold(distance, |most, piece| {
+            let turns = piece.jerk != 0.0 || self.pieces.len() < 3;
+            let goes = if turns { piece.start.velocity.abs() * piece.duration } else { 0.0 };
+            largest(most, largest(goes, (piece.start.position - start.position).abs()))
+        });
+        let longest = (0..self.pieces.len())
+            .max_by(|&one, &other| self.pieces[one].duration.total_cmp(&self.pieces[other].duration));
+        let Some(longest) = longest.filter(|_| gap.abs() > GAP * extent + unseen) else { return true };
+        if gap.abs() > MOST_CLOSED * extent {
+            return false;
+        }
+        let rounding = CRAWL_ROUNDED * most(&|state| state.velocity);
+        let Piece { duration, start: State { velocity, acceleration, .. }, .. } = &mut self.pieces[longest];
+        let (slower, shorter) = (gap / *duration, gap / *velocity);
+        if longest > 0 && slower.abs() <= rounding {
+            *velocity -= slower;
+        } else if is_free && shorter.abs() <= 0.5 * *duration && (*acceleration * shorter).abs() <= rounding {
+            *duration -= shorter;
+        } else {
+            return gap.abs() <= JOIN_TOLERANCE * extent + unseen;
+        }
+        let (between, shift) =
+            if longest < seam { (longest + 1..seam, -gap) } else { (seam..longest + 1, gap) };
+        for piece in &mut self.pieces[between] {
+            piece.start.position += shift;
+        }
+        true
     }
 
     /// Goes on with the piece before where the jerk stays the same.
@@ -68,6 +148,33 @@ impl Transit {
         for (piece, duration) in self.pieces.iter_mut().zip(durations) {
             piece.duration = duration;
         }
+    }
+
+    /// Are all of its numbers such as the planner takes? A motion is planned on from any of its states, and read back from its pieces.
+    pub(super) fn check_numbers(&self) -> Result<(), InvalidFields> {
+        let size = |piece: &Piece| largest(piece.start.position.abs(), piece.start.velocity.abs());
+        let fits = self.pieces.iter().all(|piece| size(piece) <= GREATEST_MAGNITUDE);
+        if fits { Ok(()) } else { Err(self.beyond_numbers()) }
+    }
+
+    /// Where it leaves the numbers.
+    #[cold]
+    fn beyond_numbers(&self) -> InvalidFields {
+        let mut farthest = (self.start.position, 0.0);
+        let mut time = 0.0;
+        for piece in &self.pieces {
+            if piece.start.position.abs() > farthest.0.abs() {
+                farthest = (piece.start.position, time);
+            }
+            time += piece.duration;
+        }
+        let (reached, time) = farthest;
+        let (allowed, limit) = if reached < 0.0 {
+            (-GREATEST_MAGNITUDE, "limits.min_position")
+        } else {
+            (GREATEST_MAGNITUDE, "limits.max_position")
+        };
+        InvalidFields::one(Field::default(), Why::PositionLimit { reached, time, allowed, limit })
     }
 
     /// The share of it that an axis moves that goes from `start` to `goal`. The motion begins at zero; each piece is placed from the end
@@ -145,6 +252,13 @@ impl Transit {
     pub fn to_profile(&self) -> Profile {
         Profile::new(self.pieces.iter().map(segment), self.goal)
     }
+}
+
+#[cold]
+fn too_far_apart() -> InvalidFields {
+    let what = "a motion of which some parts are faster than others by more digits than numbers have";
+    let instead = "bring the limits and the states closer together";
+    InvalidFields::one(Field::default(), Why::NotImplemented { what, instead })
 }
 
 fn segment(&Piece { duration, start, jerk }: &Piece) -> Segment {

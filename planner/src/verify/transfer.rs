@@ -42,7 +42,8 @@ pub fn transfer_violations(profile: &Profile, bounds: &Bounds, goal: State) -> V
             scale.see(&segment.at(t).state);
         }
     }
-    let rounded = |hardest: f64| VALUE_ULPS * f64::EPSILON * hardest;
+    // Below the normal numbers nothing is known to more than their least.
+    let rounded = |hardest: f64| VALUE_ULPS * f64::EPSILON * hardest + f64::MIN_POSITIVE;
     let (fastest, hardest) = (rounded(scale.fastest), rounded(scale.hardest));
     let mut watches = [
         Watch::new(Quantity::Velocity, 1.0, max_velocity, up, fastest),

@@ -181,6 +181,14 @@ fn moving(random: &mut Random, kind: Kind, bounds: &BoundsSpec) -> (f64, f64) {
     (velocity, acceleration)
 }
 
+/// Refused, since no cycles can count it.
+fn lasts_too_long(asked: &Question) -> bool {
+    let refused = planner::plan_transfer(&asked.transfer()).err();
+    refused.is_some_and(|refused| {
+        refused.as_slice().iter().any(|one| matches!(one.why, planner::Why::TooManyCycles { .. }))
+    })
+}
+
 /// One question of a kind.
 pub(crate) fn question(random: &mut Random, kind: Kind) -> Question {
     let bounds = limits(random, kind);
@@ -229,6 +237,9 @@ pub(crate) fn question(random: &mut Random, kind: Kind) -> Question {
     let start = State { position: from, velocity: v0, acceleration: a0 };
     let goal = State { position: from + distance, velocity: vf, acceleration: af };
     let asked = Question { start, goal, bounds };
+    if kind == Kind::Decades && lasts_too_long(&asked) {
+        return question(random, kind);
+    }
     if kind != Kind::Underway {
         return asked;
     }
