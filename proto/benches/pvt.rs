@@ -15,9 +15,9 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use planner::{JudgedPvt, PvtRequest, PvtRequestSpec};
+use planner::{Alone, JudgedPvt, PvtRequest, PvtRequestSpec, Workers};
 use prost::Message as _;
-use proto::{pb, pvt_to_wire};
+use proto::{Threads, pb, pvt_to_wire, pvt_to_wire_by};
 
 const POINTS: usize = 10_000;
 const BEAT: f64 = 0.05;
@@ -44,10 +44,10 @@ fn axis(index: usize) -> pb::PvtAxis {
     }
 }
 
-fn answer(bytes: &[u8]) -> Vec<u8> {
+fn answer(bytes: &[u8], workers: &impl Workers) -> Vec<u8> {
     let wire = pb::PlanPvtRequest::decode(bytes).unwrap();
     let request = PvtRequest::try_from(PvtRequestSpec::from(wire)).unwrap();
-    pvt_to_wire(&JudgedPvt::answer(&request).unwrap()).encode_to_vec()
+    pvt_to_wire_by(&JudgedPvt::answer_by(&request, workers).unwrap(), workers).encode_to_vec()
 }
 
 /// The shortest of thirty rounds [ms]: other work on the machine slows down some, not all.
@@ -96,12 +96,20 @@ fn largest(criterion: &mut Criterion) {
     });
     group.bench_function("to wire", |bencher| bencher.iter(|| pvt_to_wire(black_box(&judged))));
     group.bench_function("encode", |bencher| bencher.iter(|| black_box(&response).encode_to_vec().len()));
-    group.bench_function("all of it", |bencher| bencher.iter(|| answer(black_box(&bytes)).len()));
+    group.bench_function("all of it", |bencher| bencher.iter(|| answer(black_box(&bytes), &Alone).len()));
+    let threads = Threads::of_machine(4);
+    group.bench_function("all of it, threads", |bencher| {
+        bencher.iter(|| answer(black_box(&bytes), &threads).len());
+    });
     group.finish();
+    assert_eq!(answer(&bytes, &Alone), answer(&bytes, &threads));
     print_best("plan and judge", || JudgedPvt::answer(black_box(&request)));
     print_best("to wire", || pvt_to_wire(black_box(&judged)));
     print_best("encode", || black_box(&response).encode_to_vec());
-    print_best("all of it", || answer(black_box(&bytes)));
+    print_best("all of it", || answer(black_box(&bytes), &Alone));
+    print_best("plan and judge, threads", || JudgedPvt::answer_by(black_box(&request), &threads));
+    print_best("to wire, threads", || pvt_to_wire_by(black_box(&judged), &threads));
+    print_best("all of it, threads", || answer(black_box(&bytes), &threads));
 }
 
 criterion_group!(benches, largest);
