@@ -21,6 +21,7 @@ use proto::{Threads, pb, pvt_to_wire, pvt_to_wire_by};
 
 const POINTS: usize = 10_000;
 const BEAT: f64 = 0.05;
+const ROUNDS: usize = 30;
 
 /// A target that swings, seen twenty times a second, now and then wrongly.
 fn axis(index: usize) -> pb::PvtAxis {
@@ -50,7 +51,7 @@ fn answer(bytes: &[u8], workers: &impl Workers) -> Vec<u8> {
     pvt_to_wire_by(&JudgedPvt::answer_by(&request, workers).unwrap(), workers).encode_to_vec()
 }
 
-/// The shortest of thirty rounds [ms]: other work on the machine slows down some, not all.
+/// The shortest of thirty rounds [ms]: other work on the machine slows down some, not all; and their mean processor time.
 fn print_best<T>(name: &str, mut round: impl FnMut() -> T) {
     let timed = |_| {
         let begin = Instant::now();
@@ -59,8 +60,24 @@ fn print_best<T>(name: &str, mut round: impl FnMut() -> T) {
         drop(black_box(made));
         seconds
     };
-    let best = (0..30).map(timed).fold(f64::INFINITY, f64::min);
-    println!("{name}: {:.1} ms at best", best * 1e3);
+    let before = processor_time();
+    let best = (0..ROUNDS).map(timed).fold(f64::INFINITY, f64::min);
+    let processors = before.zip(processor_time()).map(|(before, after)| (after - before) / ROUNDS as f64);
+    let processors =
+        processors.map(|mean| format!(", {mean:.1} ms of processor time each")).unwrap_or_default();
+    println!("{name}: {:.1} ms at best{processors}", best * 1e3);
+}
+
+/// What all threads of this process have taken of the processors so far, for itself and for the system [ms], where Linux tells it:
+/// it hardly depends on what else the machine does.
+fn processor_time() -> Option<f64> {
+    /// Of the counts in `stat`; the same on every platform of Linux.
+    const TICK: f64 = 10.0;
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The name of the program may hold blanks; after it `utime` and `stime` are the twelfth and the thirteenth.
+    let after_name = stat.rsplit_once(')')?.1;
+    let ticks = after_name.split_whitespace().skip(11).take(2).map(str::parse::<f64>);
+    Some(TICK * ticks.sum::<Result<f64, _>>().ok()?)
 }
 
 fn largest(criterion: &mut Criterion) {
