@@ -1,8 +1,8 @@
 use alloc::vec::Vec;
 
 use crate::explain::{Explanation, explain};
-use crate::verify::{Certificate, Violation, certify};
-use crate::{InvalidFields, Plan, PvtPointReport, PvtRequest, Request, plan_pvt};
+use crate::verify::{Certificate, Violation, certify_by};
+use crate::{Alone, InvalidFields, Plan, PvtPointReport, PvtRequest, Request, Workers, plan_pvt_by};
 
 /// A plan with the judge's certificate, whatever that says.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,13 @@ impl Judged {
     /// Judges `plan`.
     #[must_use]
     pub fn new(plan: Plan) -> Self {
-        let certificate = certify(&plan);
+        Self::new_by(plan, &Alone)
+    }
+
+    /// As [`new`](Self::new), by `workers` who each judge some of the axes.
+    #[must_use]
+    pub fn new_by(plan: Plan, workers: &impl Workers) -> Self {
+        let certificate = certify_by(&plan, workers);
         let explanation = explain(&plan);
         Self { plan, certificate, explanation }
     }
@@ -68,10 +74,18 @@ impl JudgedPvt {
     /// Plans a request and judges the answer.
     ///
     /// # Errors
-    /// Those of [`plan_pvt`].
+    /// Those of [`plan_pvt`](crate::plan_pvt).
     pub fn answer(request: &PvtRequest) -> Result<Self, InvalidFields> {
-        let (plan, points) = plan_pvt(request)?.into_parts();
-        Ok(Self::new(plan, points))
+        Self::answer_by(request, &Alone)
+    }
+
+    /// As [`answer`](Self::answer), to the last bit, with `workers` who each plan and judge some of the axes.
+    ///
+    /// # Errors
+    /// Those of [`plan_pvt`](crate::plan_pvt).
+    pub fn answer_by(request: &PvtRequest, workers: &impl Workers) -> Result<Self, InvalidFields> {
+        let (plan, points) = plan_pvt_by(request, workers)?.into_parts();
+        Ok(Self { judged: Judged::new_by(plan, workers), points })
     }
 
     /// Judges `plan`.

@@ -110,7 +110,7 @@
 //!
 //! - `std` (default): takes square roots in hardware. Without it the crate needs `alloc` alone, and gives the same bits.
 //!
-//! There is no I/O, no clock and no randomness here, and [`plan_move`], [`plan_transfer`], [`together()`] (into a list with room), [`PvtPlanner::command`],
+//! There is no I/O, no clock, no thread ([`Workers`] may lend some) and no randomness here, and [`plan_move`], [`plan_transfer`], [`together()`] (into a list with room), [`PvtPlanner::command`],
 //! [`Move::at`], [`Cursor::at`] and [`Sampler::columns`] take nothing from the heap.
 #![cfg_attr(not(feature = "std"), no_std)]
 
@@ -149,6 +149,7 @@ mod together;
 mod transfer;
 mod trigonometric;
 mod verify;
+mod workers;
 
 pub use answer::{classified_again, plan};
 pub use certified::{Accepted, Judged, JudgedPvt, Rejection};
@@ -165,7 +166,7 @@ pub use problem::Problem;
 pub use profile::{Cursor, Profile};
 pub use pvt::{
     PvtAxis, PvtAxisSpec, PvtInterpolation, PvtMethod, PvtMove, PvtPlan, PvtPlanner, PvtPointReport,
-    PvtPolicy, PvtRegion, PvtRequest, PvtRequestSpec, PvtTarget, plan_pvt,
+    PvtPolicy, PvtRegion, PvtRequest, PvtRequestSpec, PvtTarget, plan_pvt, plan_pvt_by,
 };
 pub use quantity::Quantity;
 pub use request::{
@@ -187,8 +188,9 @@ pub use transfer::{
 pub use trigonometric::plan_trigonometric;
 pub use verify::{
     Certificate, EndCheck, JOIN_TOLERANCE, JoinCheck, LIMIT_TOLERANCE, LimitCheck, Violation, certify,
-    certify_against, transfer_violations, violations,
+    certify_against, certify_by, transfer_violations, violations,
 };
+pub use workers::{Alone, Workers};
 
 /// Names the bits that a plan samples to: replicas with the same number give the same setpoints for the same plan.
 ///

@@ -14,7 +14,7 @@ mod sequence;
 
 pub use planner::{PvtMove, PvtPlanner, PvtTarget};
 pub use request::{PvtAxis, PvtAxisSpec, PvtRequest, PvtRequestSpec};
-pub use sequence::{PvtPlan, PvtPointReport, plan_pvt};
+pub use sequence::{PvtPlan, PvtPointReport, plan_pvt, plan_pvt_by};
 
 /// How a plan through points was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! Point after point, of several axes over one list of times.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use arrayvec::ArrayVec;
 
@@ -14,8 +15,8 @@ use crate::float::{largest, least};
 use crate::segments::Pieces;
 use crate::solve::Piece;
 use crate::{
-    Adjustment, AdjustmentReason, AxisPlan, AxisTransfer, Method, Plan, Profile, PvtMethod, Quantity,
-    Segment, State, Synchronization, Timing, Together, Transit, plan_between, together,
+    Adjustment, AdjustmentReason, Alone, AxisPlan, AxisTransfer, Method, Plan, Profile, PvtMethod, Quantity,
+    Segment, State, Synchronization, Timing, Together, Transit, Workers, plan_between, together,
 };
 
 /// The pieces of a command with two ramps, neither of which reaches the acceleration limit: what most have.
@@ -82,12 +83,27 @@ impl PvtPlan {
 /// [`Why::PvtOutOfReach`](crate::Why::PvtOutOfReach), [`Why::PositionLimit`](crate::Why::PositionLimit). Where the last point is to be finished, those of [`plan_between`]; of several
 /// axes that end at speed, those of [`together`](crate::together()).
 pub fn plan_pvt(request: &PvtRequest) -> Result<PvtPlan, InvalidFields> {
+    plan_pvt_by(request, &Alone)
+}
+
+/// As [`plan_pvt`], to the last bit, with `workers` who each plan some of the axes: all policies but
+/// [`PvtPolicy::ExtendTime`] let them.
+///
+/// # Errors
+/// Those of [`plan_pvt`].
+pub fn plan_pvt_by(request: &PvtRequest, workers: &impl Workers) -> Result<PvtPlan, InvalidFields> {
     let mut invalid = InvalidFields::default();
-    let mut drives: Vec<Drive<'_>> = request.axes().iter().map(|axis| Drive::new(axis, request)).collect();
-    let points = if request.policy() == PvtPolicy::ExtendTime {
-        in_step(request, &mut drives)
+    let (mut drives, points) = if request.policy() == PvtPolicy::ExtendTime {
+        in_step(request)
     } else {
-        one_by_one(request, &mut drives)
+        let count = request.axes().len();
+        let mut parts = workers.each_range(count, |axes| one_by_one(request, axes)).into_iter();
+        let (mut drives, mut points) = parts.next().unwrap_or_default();
+        for (more_drives, more_points) in parts {
+            drives.extend(more_drives);
+            points.extend(more_points);
+        }
+        (drives, points)
     };
     for (index, drive) in drives.iter_mut().enumerate() {
         if let Some((point, (quantity, why))) = drive.refusal.take() {
@@ -104,37 +120,46 @@ pub fn plan_pvt(request: &PvtRequest) -> Result<PvtPlan, InvalidFields> {
     joined(request, drives, points)
 }
 
-/// Each axis through all of its points, since none changes the times of another.
-fn one_by_one(request: &PvtRequest, drives: &mut [Drive<'_>]) -> Vec<PvtPointReport> {
-    let mut reports = Vec::with_capacity(drives.len() * request.times().len());
+/// Axes on their way, and the reports on their points.
+type Driven<'a> = (Vec<Drive<'a>>, Vec<PvtPointReport>);
+
+/// Each of some axes through all of its points, since none changes the times of another.
+fn one_by_one(request: &PvtRequest, axes: Range<usize>) -> Driven<'_> {
+    // Whoever has the first axis gets the reports on the others, too.
+    let room = if axes.start == 0 { request.axes().len() } else { axes.len() };
+    let mut reports = Vec::with_capacity(room * request.times().len());
+    let mut drives = Vec::with_capacity(room);
     let mut planned = PvtMove::unplanned();
-    for (axis, drive) in drives.iter_mut().enumerate() {
+    for (axis, spec) in request.axes().iter().enumerate().take(axes.end).skip(axes.start) {
+        let mut drive = Drive::new(spec, request);
         for beat in Beat::all(request) {
             match drive.go(&mut planned, axis, request, &beat) {
                 Some(report) => reports.push(report),
                 None => break,
             }
         }
+        drives.push(drive);
     }
-    reports
+    (drives, reports)
 }
 
 /// All axes from point to point, each of which may be met later than asked.
-fn in_step(request: &PvtRequest, drives: &mut [Drive<'_>]) -> Vec<PvtPointReport> {
+fn in_step(request: &PvtRequest) -> Driven<'_> {
+    let mut drives: Vec<_> = request.axes().iter().map(|axis| Drive::new(axis, request)).collect();
     let mut reports: Vec<Vec<PvtPointReport>> =
         drives.iter().map(|_| Vec::with_capacity(request.times().len())).collect();
     let mut planned = PvtMove::unplanned();
     // How much later the points are met.
     let mut shift = 0.0;
     for mut beat in Beat::all(request) {
-        beat.extend(drives);
+        beat.extend(&mut drives);
         shift += beat.duration - beat.interval;
         beat.time = beat.asked + shift;
         for (axis, drive) in drives.iter_mut().enumerate().filter(|(_, drive)| drive.refusal.is_none()) {
             reports[axis].extend(drive.go(&mut planned, axis, request, &beat));
         }
     }
-    reports.into_iter().flatten().collect()
+    (drives, reports.into_iter().flatten().collect())
 }
 
 /// Puts the axes onto one time base.

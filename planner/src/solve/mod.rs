@@ -7,6 +7,7 @@ mod on_cycles;
 mod pieces;
 mod planned;
 pub(crate) mod ramp;
+mod rest;
 mod s_curve;
 mod trapezoid;
 
@@ -43,6 +44,14 @@ use trapezoid::Trapezoid;
 /// [`Why::PathTooShort`] under [`ShortPathPolicy::Reject`]; [`Why::NotImplemented`] for [`ShortPathPolicy::Reverse`]
 /// where the path is too short.
 pub fn plan_move(problem: &Problem) -> Result<Move, InvalidFields> {
+    if problem.start().is_at_rest() && problem.goal().is_at_rest() {
+        return Ok(rest::plan(problem));
+    }
+    plan_with_speeds(problem)
+}
+
+/// The general way: also right from rest to rest, and slower there.
+fn plan_with_speeds(problem: &Problem) -> Result<Move, InvalidFields> {
     let direction = problem.direction();
     let lane = Lane::of(problem, direction);
     let (shape, reason) =

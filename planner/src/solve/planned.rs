@@ -121,6 +121,12 @@ impl Move {
         Self { pieces, pulses: Pulses::Rectangles, reached, adjustments, classification }
     }
 
+    /// The same where all is as asked.
+    #[inline]
+    pub(crate) fn of_rectangles_to(reached: State) -> Self {
+        Self::of_rectangles(reached, ArrayVec::new())
+    }
+
     /// A motion of cosine pulses that has no pieces yet.
     pub(crate) fn of_cosines(reached: State, adjustment: Option<Adjustment>) -> Self {
         let mut adjustments = ArrayVec::new();

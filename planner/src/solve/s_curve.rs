@@ -7,6 +7,7 @@
 
 use super::lane::{Lane, Sides};
 use super::ramp::{self, Ramp};
+use super::rest;
 use crate::classify::EightType;
 use crate::float::{cbrt, largest, least, sqrt};
 use crate::roots::fall_to_root;
@@ -131,7 +132,7 @@ impl Peak {
     fn rise(&self, room: f64) -> Rise {
         let Sides { faster, gap, near, far, .. } = self.sides;
         if faster == 0.0 {
-            return self.rise_from_rest();
+            return rest::rise(self.length, self.jerk, near, far);
         }
         // Where the near and the far ramp begin to reach their limits.
         let near_bend = near * near / self.jerk;
@@ -208,25 +209,6 @@ impl Peak {
         Rise::to(root * (root + 2.0 * root_of_gap))
     }
 
-    /// Both ends at rest: every shape in closed form. With `h ≥ l` the limits, `2·s·j²` tells the shapes apart.
-    ///
-    /// Both triangles: `2·q³ = s·√j`. One of them, the paper's case without an analytic solution: `S` is a square there,
-    /// `(q·(q + l/√j))²/2l`, so that `q² + q·l/√j = √(2·l·s)`.
-    fn rise_from_rest(&self) -> Rise {
-        let Sides { near: high, far: low, .. } = self.sides;
-        let way = 2.0 * self.length * self.jerk * self.jerk;
-        let both = high * (high + low);
-        let root = if way <= 4.0 * low * low * low {
-            cbrt(0.5 * self.length * sqrt(self.jerk))
-        } else if low * way < both * both {
-            let (b, square) = (low / sqrt(self.jerk), sqrt(2.0 * low * self.length));
-            2.0 * square / (b + sqrt(b * b + 4.0 * square))
-        } else {
-            return self.rise_both_reach();
-        };
-        Rise { change: root * root, root }
-    }
-
     /// Both ramps are triangles, so that no limit matters: type 8A.
     fn rise_none_reaches(&self) -> Rise {
         let Sides { faster, sum, gap, .. } = self.sides;
@@ -256,13 +238,13 @@ struct Ramps {
 
 /// How far the peak is above the faster end [axis units/s], and the root of that.
 #[derive(Clone, Copy, Debug, Default)]
-struct Rise {
-    change: f64,
-    root: f64,
+pub(super) struct Rise {
+    pub(super) change: f64,
+    pub(super) root: f64,
 }
 
 impl Rise {
-    fn to(change: f64) -> Self {
+    pub(super) fn to(change: f64) -> Self {
         Self { change, root: sqrt(change) }
     }
 }

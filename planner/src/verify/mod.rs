@@ -19,6 +19,7 @@ use alloc::vec::Vec;
 
 use crate::plan::{AxisPlan, Plan};
 use crate::{AdjustmentReason, Family, Limits, MAX_ORDER, Profile, Quantity, State};
+use crate::{Alone, Workers};
 pub use certificate::{Certificate, EndCheck, JoinCheck, LimitCheck, Violation};
 use extremes::{Extremes, Worst};
 use joins::Jumps;
@@ -38,18 +39,36 @@ pub(crate) const VELOCITY_ULPS: f64 = 8.0;
 /// Judges a plan by its own limits and goals.
 #[must_use]
 pub fn certify(plan: &Plan) -> Certificate {
-    // Of each axis, but for a range of positions and derivatives above jerk.
-    let each = 3 * plan.axes().len();
-    let mut certificate = Certificate {
-        limits: Vec::with_capacity(each),
-        joins: Vec::with_capacity(each),
-        ends: Vec::with_capacity(each),
-    };
-    for axis in plan.axes() {
-        let goal = axis.goal_to_reach();
-        certificate.judge(&axis.axis, &axis.profile, &axis.limits, goal, &Promise::of(plan));
+    certify_by(plan, &Alone)
+}
+
+/// As [`certify`], to the last bit, with `workers` who each judge some of the axes.
+#[must_use]
+pub fn certify_by(plan: &Plan, workers: &impl Workers) -> Certificate {
+    let count = plan.axes().len();
+    let mut parts = workers
+        .each_range(count, |axes| {
+            // Of each axis, but for a range of positions and derivatives above jerk.
+            let each = 3 * if axes.start == 0 { count } else { axes.len() };
+            let mut certificate = Certificate {
+                limits: Vec::with_capacity(each),
+                joins: Vec::with_capacity(each),
+                ends: Vec::with_capacity(each),
+            };
+            for axis in &plan.axes()[axes] {
+                let goal = axis.goal_to_reach();
+                certificate.judge(&axis.axis, &axis.profile, &axis.limits, goal, &Promise::of(plan));
+            }
+            certificate
+        })
+        .into_iter();
+    let mut whole = parts.next().unwrap_or_default();
+    for Certificate { limits, joins, ends } in parts {
+        whole.limits.extend(limits);
+        whole.joins.extend(joins);
+        whole.ends.extend(ends);
     }
-    certificate
+    whole
 }
 
 /// Judges a plan by other limits or goals: one pair for each axis, in plan order.

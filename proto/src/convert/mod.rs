@@ -22,7 +22,7 @@ pub use claims::misclassified;
 pub use duration::malformed_duration;
 pub use field::{accepted_in, plan_as_it_is_in, plan_in, within};
 pub use plan::{plan_as_it_is, plan_from_wire, plan_to_wire};
-pub use pvt::{point_to_wire, pvt_from_wire, pvt_request_from_wire, pvt_to_wire};
+pub use pvt::{point_to_wire, pvt_from_wire, pvt_request_from_wire, pvt_to_wire, pvt_to_wire_by};
 pub use rejected::accepted;
 pub use request::{Against, against, plan_request_from_wire};
 pub use stream::{request_from_wire, request_to_wire, response_from_wire, response_to_wire};

@@ -1,7 +1,7 @@
 use planner::{
-    Adjustment, AdjustmentReason, AsymmetricType, AxisPlan, Classification, CycleTime, Derivatives,
+    Adjustment, AdjustmentReason, Alone, AsymmetricType, AxisPlan, Classification, CycleTime, Derivatives,
     EightType, Field, InvalidField, InvalidFields, Judged, Law, Limits, LimitsSpec, Maker, Method, Plan,
-    Profile, PvtMethod, PvtRegion, Quantity, Segment, SixCase, State, Why,
+    Profile, PvtMethod, PvtRegion, Quantity, Segment, SixCase, State, Why, Workers,
 };
 
 use super::choice::{
@@ -11,7 +11,8 @@ use super::choice::{
 };
 use super::claims::Claims;
 use super::duration::{cycle_time_to_wire, duration_to_ns, note_malformed};
-use crate::{fingerprint, pb};
+use crate::fingerprint::fingerprint_by;
+use crate::pb;
 
 /// The most segments of one axis: more than those of 10 000 points for each of six axes would be of one.
 const MAX_SEGMENTS: usize = 500_000;
@@ -22,14 +23,21 @@ pub(super) const REGIONS: &str = "R1, R2, R3, R4";
 /// The plan on the wire, with certificate, explanation and fingerprint.
 #[must_use]
 pub fn plan_to_wire(judged: &Judged) -> pb::Plan {
-    let mut wire = to_wire(judged.plan());
+    plan_to_wire_by(judged, &Alone)
+}
+
+pub(super) fn plan_to_wire_by(judged: &Judged, workers: &impl Workers) -> pb::Plan {
+    let mut wire = to_wire(judged.plan(), workers);
     wire.certificate = Some(judged.certificate().into());
     wire.explanation = Some(judged.explanation().into());
-    wire.fingerprint = fingerprint(&wire).to_vec();
+    wire.fingerprint = fingerprint_by(&wire, workers).to_vec();
     wire
 }
 
-fn to_wire(plan: &Plan) -> pb::Plan {
+fn to_wire(plan: &Plan, workers: &impl Workers) -> pb::Plan {
+    let axes = plan.axes();
+    let parts =
+        workers.each_range(axes.len(), |range| axes[range].iter().map(axis_to_wire).collect::<Vec<_>>());
     let Maker { planner_version, evaluation_version } = plan.maker().clone();
     let Method { family, order, short_path, synchronization, end_on_cycle, pvt } = plan.method();
     pb::Plan {
@@ -49,7 +57,7 @@ fn to_wire(plan: &Plan) -> pb::Plan {
         cycle_time: Some(cycle_time_to_wire(plan.cycle_time())),
         cycle_count: plan.cycle_count(),
         duration: plan.duration(),
-        axes: plan.axes().iter().map(axis_to_wire).collect(),
+        axes: parts.into_iter().flatten().collect(),
         certificate: None,
         explanation: None,
     }

@@ -1,7 +1,8 @@
 //! Points of position, velocity and time: what is asked, and what became of each.
 
 use planner::{
-    Field, InvalidFields, JudgedPvt, PvtAxisSpec, PvtPointReport, PvtRegion, PvtRequest, PvtRequestSpec, Why,
+    Alone, Field, InvalidFields, JudgedPvt, PvtAxisSpec, PvtPointReport, PvtRegion, PvtRequest,
+    PvtRequestSpec, Why, Workers,
 };
 
 use super::choice::{
@@ -9,7 +10,7 @@ use super::choice::{
     policy_from_wire, policy_to_wire,
 };
 use super::duration::{after, duration_to_ns, note_malformed, ns_to_duration};
-use super::plan::{REGIONS, adjustment_from_wire, adjustment_to_wire, plan_from_wire, plan_to_wire};
+use super::plan::{REGIONS, adjustment_from_wire, adjustment_to_wire, plan_from_wire, plan_to_wire_by};
 use crate::pb;
 
 impl From<pb::PvtAxis> for PvtAxisSpec {
@@ -82,13 +83,26 @@ impl From<PvtRequestSpec> for pb::PlanPvtRequest {
 /// The plan on the wire, as [`plan_to_wire`], with a report on each of its points.
 #[must_use]
 pub fn pvt_to_wire(judged: &JudgedPvt) -> pb::PlanPvtResponse {
-    let axes = judged.judged().plan().axes();
-    let points = judged
-        .points()
-        .iter()
-        .map(|report| point_to_wire(report, axes.get(report.axis).map_or("", |axis| &axis.axis)))
-        .collect();
-    pb::PlanPvtResponse { plan: Some(plan_to_wire(judged.judged())), points }
+    pvt_to_wire_by(judged, &Alone)
+}
+
+/// As [`pvt_to_wire`], to the last bit, by `workers` who each translate a part of the pieces and of the reports.
+#[must_use]
+pub fn pvt_to_wire_by(judged: &JudgedPvt, workers: &impl Workers) -> pb::PlanPvtResponse {
+    let (axes, reports) = (judged.judged().plan().axes(), judged.points());
+    let name = |report: &PvtPointReport| axes.get(report.axis).map_or("", |axis| &axis.axis);
+    let mut parts = workers
+        .each_range(reports.len(), |range| {
+            // Whoever begins gets the rest, too.
+            let room = if range.start == 0 { reports.len() } else { range.len() };
+            let mut points = Vec::with_capacity(room);
+            points.extend(reports[range].iter().map(|report| point_to_wire(report, name(report))));
+            points
+        })
+        .into_iter();
+    let mut points = parts.next().unwrap_or_default();
+    parts.for_each(|more| points.extend(more));
+    pb::PlanPvtResponse { plan: Some(plan_to_wire_by(judged.judged(), workers)), points }
 }
 
 /// The plan and the reports of an answer; the certificate is computed again.

@@ -1,8 +1,14 @@
 use planner::JudgedPvt;
-use proto::{Reason, Rejected, pb, pvt_request_from_wire, pvt_to_wire};
+use proto::{Reason, Rejected, Threads, pb, pvt_request_from_wire, pvt_to_wire_by};
 
 /// From this many points on, an answer takes longer than the streams of this process may wait: about a millisecond.
 const LONG: usize = 500;
+
+/// From this many points on, threads are worth what it costs to make them: an answer takes a millisecond or two.
+const LARGE: usize = 2_000;
+
+/// One request is not to have all of a large machine.
+const MOST_THREADS: usize = 4;
 
 /// Of all axes together.
 fn count(wire: &pb::PlanPvtRequest) -> usize {
@@ -27,7 +33,8 @@ pub(super) fn plan(wire: pb::PlanPvtRequest, most: usize) -> Result<pb::PlanPvtR
         return Err(rejected.with("given", given).with("allowed", most));
     }
     let request = pvt_request_from_wire(wire)?;
-    Ok(pvt_to_wire(&JudgedPvt::answer(&request)?))
+    let threads = if given < LARGE { Threads::new(1) } else { Threads::of_machine(MOST_THREADS) };
+    Ok(pvt_to_wire_by(&JudgedPvt::answer_by(&request, &threads)?, &threads))
 }
 
 #[cfg(test)]
