@@ -237,22 +237,13 @@ fn rows() -> Vec<Row> {
             "axes[0]",
         ),
         (
-            "on a cycle from motion",
-            spoiled(|r| {
-                start(r).acceleration = 1.0;
-                r.end_on_cycle = true;
-            }),
-            Unimplemented,
-            Reason::NotImplemented,
-            "axes[0].start",
-        ),
-        (
-            "several axes in time",
+            "cosines on a straight line",
             spoiled(|r| {
                 let mut second = r.axes[0].clone();
                 second.axis = "y".into();
                 r.axes.push(second);
-                r.synchronization = 0;
+                r.synchronization = pb::Synchronization::Phase as i32;
+                r.family = pb::ProfileFamily::Trigonometric as i32;
             }),
             Unimplemented,
             Reason::NotImplemented,

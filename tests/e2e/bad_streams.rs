@@ -226,7 +226,8 @@ async fn an_operation_is_refused_and_the_motion_goes_on() {
     let append = pb::operation::Operation::AppendPvt(pb::AppendPvt::default());
     let rows = [
         (Some(faster), Reason::OverrideOutOfRange),
-        (Some(append), Reason::NotImplemented),
+        // It goes to a goal, and not through points.
+        (Some(append), Reason::ProtocolOrder),
         (None, Reason::ProtocolOrder),
     ];
     for (operation, reason) in rows {
