@@ -80,7 +80,7 @@ impl From<PvtRequestSpec> for pb::PlanPvtRequest {
     }
 }
 
-/// The plan on the wire, as [`plan_to_wire`], with a report on each of its points.
+/// The plan on the wire, as [`plan_to_wire`](super::plan_to_wire), with a report on each of its points.
 #[must_use]
 pub fn pvt_to_wire(judged: &JudgedPvt) -> pb::PlanPvtResponse {
     pvt_to_wire_by(judged, &Alone)
