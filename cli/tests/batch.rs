@@ -432,7 +432,7 @@ fn has_a_reason(request: &Value, error: &Value) {
         "NOT_IMPLEMENTED" => field.ends_with(".velocity"),
         "START_OUTSIDE_LIMITS" | "GOAL_OUTSIDE_LIMITS" => error["metadata"]["needed"].is_string(),
         "POSITION_LIMIT" => error["metadata"]["needed"].is_string(),
-        "TOO_MANY_CYCLES" => field == "axes",
+        "TOO_MANY_CYCLES" => field.starts_with("axes"),
         "FIELD_MISSING" => field.ends_with("max_snap"),
         _ => false,
     };
