@@ -77,7 +77,8 @@ impl Error {
         match Self::from_status(endpoint, status) {
             error @ Self::NotServed { .. } => {
                 let rejected = Rejected::new(Reason::NotAPlanner, error.to_string());
-                Self::Rejected(Box::new(rejected.with("endpoint", endpoint)))
+                let cause = "no service here knows the call";
+                Self::Rejected(Box::new(rejected.with("endpoint", endpoint).with("cause", cause)))
             }
             error => error,
         }
