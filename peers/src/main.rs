@@ -14,17 +14,18 @@
 mod common;
 
 use std::hint::black_box;
+use std::process::Command;
 use std::time::Instant;
 
 use common::Random;
 use common::axes::questions;
 use common::states::{Kind, Question, question};
-use planner::{AxisTransfer, BoundsSpec, Synchronization, Timing, Transit, plan_transfer, together};
+use planner::{AxisTransfer, BoundsSpec, State, Synchronization, Timing, Transit, plan_transfer, together};
 use ruckig::{InputParameter, Result as Answer, Ruckig, Trajectory};
 
 /// Of a duration [1]: how much longer than the peer's ours may be.
 const SLACK: f64 = 1e-9;
-/// Of how far a motion leads, and of its greatest speed [1]: where the peer's must end to be an answer.
+/// Of how far a motion leads, of its greatest speed and of the limit of acceleration [1]: how the peer's must end to be an answer.
 const END: f64 = 1e-12;
 /// A time in which nothing moves [s].
 const NOTHING: f64 = 1e-12;
@@ -68,7 +69,7 @@ impl Peer {
         let end = self.trajectory.get_duration();
         let samples: Vec<_> =
             (0..=64).map(|part| self.trajectory.at_time(end * f64::from(part) / 64.0)).collect();
-        let (positions, velocities, _) = self.trajectory.at_time(end * (1.0 - f64::EPSILON));
+        let (positions, velocities, accelerations) = self.trajectory.at_time(end * (1.0 - f64::EPSILON));
         asked.iter().enumerate().all(|(axis, asked)| {
             let extent = samples
                 .iter()
@@ -79,17 +80,23 @@ impl Peer {
             (positions[axis] - asked.goal.position).abs() <= END * extent + rounding + late * fastest
                 && (velocities[axis] - asked.goal.velocity).abs()
                     <= END * fastest + late * asked.bounds.max_acceleration
+                && (accelerations[axis] - asked.goal.acceleration).abs()
+                    <= END * asked.bounds.max_acceleration + late * asked.bounds.max_jerk
         })
     }
 }
 
-/// Alike in both directions.
-fn symmetric(asked: Question) -> Option<Question> {
+/// Alike in both directions; none where the goal is then beyond its bounds, or a start is that was inside, for those are a kind of their own.
+fn symmetric(kind: Kind, asked: Question) -> Option<Question> {
     let BoundsSpec { max_velocity, max_acceleration, .. } = asked.bounds;
     let bounds =
         BoundsSpec { min_velocity: -max_velocity, min_acceleration: -max_acceleration, ..asked.bounds };
     let asked = Question { bounds, ..asked };
-    planner::Transfer::new(asked.start, asked.goal, asked.bounds()).is_ok().then_some(asked)
+    let State { velocity, acceleration, .. } = asked.start;
+    let leads_to = velocity + 0.5 * acceleration * acceleration.abs() / asked.bounds.max_jerk;
+    let inside = velocity.abs().max(leads_to.abs()) <= max_velocity && acceleration.abs() <= max_acceleration;
+    let is_one = planner::Transfer::new(asked.start, asked.goal, asked.bounds()).is_ok();
+    (is_one && (inside || kind == Kind::Outside)).then_some(asked)
 }
 
 #[derive(Default)]
@@ -134,32 +141,28 @@ impl Tally {
     }
 }
 
-fn one_axis(count: u32) {
+fn one_axis(kind: Kind, count: u32) {
     let mut peer = Peer::new(1);
-    for kind in Kind::ALL {
-        let (mut random, mut tally) = (Random(11), Tally::default());
-        while tally.asked < count / Kind::ALL.len() as u32 {
-            let Some(asked) = symmetric(question(&mut random, kind)) else { continue };
-            let ours = plan_transfer(&asked.transfer()).ok().map(|transit| transit.duration());
-            tally.see(ours, &mut peer, &[asked]);
-        }
-        tally.print(&format!("one axis, {kind:?}"));
+    let (mut random, mut tally) = (Random(11), Tally::default());
+    while tally.asked < count / Kind::ALL.len() as u32 {
+        let Some(asked) = symmetric(kind, question(&mut random, kind)) else { continue };
+        let ours = plan_transfer(&asked.transfer()).ok().map(|transit| transit.duration());
+        tally.see(ours, &mut peer, &[asked]);
     }
+    tally.print(&format!("one axis, {kind:?}"));
 }
 
-fn several_axes(count: u32) {
+fn several_axes(kind: Kind, count: u32) {
     let mut peers: Vec<Peer> = (2..=7).map(Peer::new).collect();
-    for kind in Kind::ALL {
-        let (mut random, mut tally) = (Random(12), Tally::default());
-        while tally.asked < count / Kind::ALL.len() as u32 {
-            let axes = 2 + random.bits() as usize % 6;
-            let drawn = questions(&mut random, kind, axes).into_iter().map(symmetric);
-            let Some(asked) = drawn.collect::<Option<Vec<Question>>>() else { continue };
-            let ours = in_time(&asked, &mut Vec::new());
-            tally.see(ours, &mut peers[axes - 2], &asked);
-        }
-        tally.print(&format!("2 to 7 axes, {kind:?}"));
+    let (mut random, mut tally) = (Random(12), Tally::default());
+    while tally.asked < count / Kind::ALL.len() as u32 {
+        let axes = 2 + random.bits() as usize % 6;
+        let drawn = questions(&mut random, kind, axes).into_iter().map(|asked| symmetric(kind, asked));
+        let Some(asked) = drawn.collect::<Option<Vec<Question>>>() else { continue };
+        let ours = in_time(&asked, &mut Vec::new());
+        tally.see(ours, &mut peers[axes - 2], &asked);
     }
+    tally.print(&format!("2 to 7 axes, {kind:?}"));
 }
 
 /// All at one time.
@@ -189,7 +192,7 @@ fn speed(axes: usize) {
     let mut random = Random(13);
     let mut asked: Vec<Vec<Question>> = Vec::new();
     while asked.len() < 4000 {
-        let drawn = (0..axes).map(|_| symmetric(question(&mut random, Kind::Ordinary)));
+        let drawn = (0..axes).map(|_| symmetric(Kind::Ordinary, question(&mut random, Kind::Ordinary)));
         asked.extend(drawn.collect::<Option<Vec<Question>>>());
     }
     let mut transits = Vec::with_capacity(axes);
@@ -223,8 +226,8 @@ fn speed(axes: usize) {
     at_rest.ask(
         &still
             .map(|asked| Question {
-                start: planner::State::at_rest(asked.start.position),
-                goal: planner::State::at_rest(asked.start.position),
+                start: State::at_rest(asked.start.position),
+                goal: State::at_rest(asked.start.position),
                 ..asked
             })
             .collect::<Vec<_>>(),
@@ -243,15 +246,35 @@ fn speed(axes: usize) {
     );
 }
 
+/// One kind of questions, in a process of its own: on some of them the peer dies.
+fn part(axes: &str, kind: usize, count: u32) {
+    match axes {
+        "1" => one_axis(Kind::ALL[kind], count),
+        _ => several_axes(Kind::ALL[kind], count),
+    }
+}
+
 fn main() {
-    let mut counts = std::env::args().skip(1).map(|count| count.parse().unwrap());
-    let (one, several) = (counts.next().unwrap_or(1_050_000), counts.next().unwrap_or(105_000));
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [axes, kind, count] = arguments.as_slice() {
+        return part(axes, kind.parse().unwrap(), count.parse().unwrap());
+    }
+    let mut counts = arguments.iter().map(|count| count.parse().unwrap());
+    let (one, several): (u32, u32) = (counts.next().unwrap_or(1_050_000), counts.next().unwrap_or(105_000));
     println!(
         "| questions | asked | we refuse | the peer refuses | goes astray | is slower | ours longer by at most |"
     );
     println!("|---|---|---|---|---|---|---|");
-    one_axis(one);
-    several_axes(several);
+    for (axes, count) in [("1", one), ("2 to 7", several)] {
+        for kind in 0..Kind::ALL.len() {
+            let arguments = [axes, &kind.to_string(), &count.to_string()];
+            let ended = Command::new(std::env::current_exe().unwrap()).args(arguments).status().unwrap();
+            match ended.code() {
+                Some(code) => assert_eq!(code, 0, "ours is longer"),
+                None => println!("| {axes} axes, {:?} | the peer dies: {ended} | | | | | |", Kind::ALL[kind]),
+            }
+        }
+    }
     println!();
     println!(
         "| axes | ours, median / p99.9 [ns] | Ruckig | of that nothing planned | ratio of the medians |"
