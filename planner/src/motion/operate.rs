@@ -152,13 +152,12 @@ impl Motion {
         self.spliced(at_cycle, motion, plan, None, beyond)
     }
 
-    /// The one place where the kinds of motion part.
+    /// The one place where the kinds of motion part. A path that is no straight line is re-timed before it comes here; where it is left,
+    /// its axes go each their own way.
     fn planned(&self, under_way: &UnderWay<'_>) -> Result<Option<each::Planned>, Refused> {
         match Kind::of(under_way.plan) {
-            Kind::Each => each::planned(under_way),
+            Kind::Each | Kind::Path => each::planned(under_way),
             Kind::Line => line::planned(under_way, self.asked()),
-            // Of these only a single axis comes here.
-            Kind::Path => each::planned(under_way),
         }
     }
 
