@@ -28,11 +28,8 @@ impl Motion {
         let aims = self.keeps();
         let under_way = self.under_way(at_cycle, &aims, Errand::Rest);
         let along = match Kind::of(self.plan()) {
-            Kind::Line => match line::planned(&under_way, self.asked()) {
-                // Their roundings have grown beyond a line: each stops by itself.
-                Err(Refused::OffLine { .. }) => None,
-                along => along?,
-            },
+            // Where roundings have grown beyond a line, or there is hardly any, each stops by itself.
+            Kind::Line => line::planned(&under_way, self.asked()).unwrap_or(None),
             Kind::Each | Kind::Path => None,
         };
         let proved = match along {
