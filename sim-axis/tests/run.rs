@@ -114,7 +114,11 @@ async fn session(
                 Script::LeavesAfter(cycle) if sent >= cycle => return None,
                 _ => {}
             }
-            let (from, to) = (sent + 1, (sent + u64::from(batch_cycles)).min(grant).min(end));
+            let stops = match script {
+                Script::BreaksAfter(cycle) | Script::LeavesAfter(cycle) => cycle,
+                _ => u64::MAX,
+            };
+            let (from, to) = (sent + 1, (sent + u64::from(batch_cycles)).min(grant).min(end).min(stops));
             let mut columns = Columns::with_capacity((to - from + 1) as usize, 1);
             plan.sampler().columns(0, from..to + 1, |setpoint| columns.push(setpoint));
             digests.truncate(from as usize);
@@ -132,6 +136,9 @@ async fn session(
                 let kind = StreamEventKind::Finished;
                 say(ToAxis::Event(StreamEvent { kind, at_cycle: to })).await?;
             }
+        }
+        if matches!(script, Script::LeavesAfter(cycle) if sent >= cycle) {
+            return None;
         }
         let message = incoming.message().await.ok()??;
         let Ok(FromAxis::Report(report)) = proto::request_from_wire(message) else { return None };
