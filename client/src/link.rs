@@ -4,9 +4,8 @@ use proto::stream::{FromAxis, Report, ToAxis};
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::Streaming;
-use tonic::transport::Channel;
 
-use crate::Error;
+use crate::{Error, Traffic};
 
 /// Messages on their way to the server: reports are small, and a newer one says all that an older one did.
 const OUTBOX: usize = 16;
@@ -25,7 +24,7 @@ pub struct Link {
 }
 
 pub(crate) async fn open(
-    mut setpoints: SetpointServiceClient<Channel>,
+    mut setpoints: SetpointServiceClient<Traffic>,
     endpoint: &str,
     first: pb::StreamSetpointsRequest,
 ) -> Result<(Reports, Link), Error> {
