@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
-use client::{Buffer, Client, Link, Reports, Revision, Standing};
+use client::{Buffer, Connect, Link, Reports, Revision, Standing};
 use planner::{Accepted, AxisKind, Setpoint};
 use proto::Digest;
 use proto::stream::{
@@ -18,6 +18,7 @@ use crate::axis::{Axis, AxisConfig, InvalidConfig};
 use crate::clock::Clock;
 use crate::commands::{Answered, Command, Commander, Waiting, commander, forward};
 use crate::cycle_thread::{Fed, Feed, Outcome, Outside, ReportRing, SampleRing, spawn};
+use crate::figures::Figures;
 use crate::jitter::Jitter;
 use crate::model::AxisModel;
 use crate::monitor::ReportCard;
@@ -47,6 +48,8 @@ pub struct TrackRequest {
     pub stay_open: bool,
     /// Take a plan that does not guarantee velocity and acceleration?
     pub accept_unproved: bool,
+    /// How planners are connected to.
+    pub connect: Connect,
 }
 
 /// How long loads are watched after the last setpoint where nobody says [s]: two dozen swings of a soft machine.
@@ -76,6 +79,7 @@ impl TrackRequest {
             settle_tolerance: None,
             stay_open: false,
             accept_unproved: false,
+            connect: Connect::new(),
         }
     }
 }
@@ -248,7 +252,7 @@ impl Tracking {
     ) -> Result<(Self, Vec<Answered>), TrackError> {
         let axes = axes(&request)?;
         let open = open_of(&request);
-        let opened = open_somewhere(&request.endpoints, &open).await?;
+        let opened = open_somewhere(&request.connect, &request.endpoints, &open).await?;
         let player = player(&open, axes, &opened.motion);
         let (commander, commands) = commander();
         let cycle = open.plan.plan().cycle_time();
@@ -378,10 +382,10 @@ struct Opening {
 
 /// Tries one planner after the other. One that refuses the request speaks for all; one that is gone, or about to leave,
 /// does not.
-async fn open_somewhere(endpoints: &[String], open: &Open) -> Result<Opening, TrackError> {
+async fn open_somewhere(connect: &Connect, endpoints: &[String], open: &Open) -> Result<Opening, TrackError> {
     let mut last = None;
     for endpoint in endpoints {
-        let opening = tokio::time::timeout(OPENING, open_at(endpoint, open)).await;
+        let opening = tokio::time::timeout(OPENING, open_at(connect, endpoint, open)).await;
         match opening.unwrap_or_else(|_| Err(no_answer(endpoint))) {
             Ok(opening) => return Ok(opening),
             Err(cause) => {
@@ -399,8 +403,8 @@ async fn open_somewhere(endpoints: &[String], open: &Open) -> Result<Opening, Tr
     Err(last.unwrap_or(TrackError::NoEndpoint))
 }
 
-async fn open_at(endpoint: &str, open: &Open) -> Result<Opening, client::Error> {
-    let client = Client::connect(endpoint).await?;
+async fn open_at(connect: &Connect, endpoint: &str, open: &Open) -> Result<Opening, client::Error> {
+    let client = connect.to(endpoint).await?;
     let (reports, mut link) = client.open(open.clone()).await?;
     match link.next().await? {
         Some((_, ToAxis::Opened(opened))) => {
@@ -554,6 +558,7 @@ async fn feed_from(
 
 /// Tells the server where the axis is. Of several reports that wait, the newest says it all; refusals go one by one.
 async fn speak(mut ring: ReportRing, reports: Reports) {
+    let mut figures = Figures::resolve();
     loop {
         ring.news.notified().await;
         let mut newest = None;
@@ -566,6 +571,7 @@ async fn speak(mut ring: ReportRing, reports: Reports) {
         }
         ring.thread.wake();
         if let Some(report) = newest {
+            figures.report(&report);
             // A stream that is over says so where it is read.
             reports.send(&report).await;
         }
@@ -582,6 +588,7 @@ async fn tell(
     teller: mpsc::Sender<Update>,
     clock: Clock,
 ) {
+    let figures = Figures::resolve();
     let mut queue = VecDeque::new();
     let mut has_events = true;
     let mut lost = 0_u64;
@@ -589,7 +596,11 @@ async fn tell(
         let done = ring.full.is_abandoned();
         while clock == Clock::Wall || queue.len() < WAITING {
             let Ok(mut chunk) = ring.full.pop() else { break };
-            queue.push_back(Update::Samples(chunk.read()));
+            let samples = chunk.read();
+            if clock == Clock::Wall {
+                figures.lateness(&samples.tracking.cycle_jitter_ns);
+            }
+            queue.push_back(Update::Samples(samples));
             chunk.clear();
             // There are as many places as chunks.
             let _ = ring.empty.push(chunk);

@@ -16,6 +16,7 @@ mod plan_then_stream;
 mod pvt;
 mod rehearsed;
 mod rehearsed_paths;
+mod secured;
 mod side_port;
 mod standing_services;
 mod synchronised;

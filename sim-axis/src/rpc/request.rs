@@ -1,5 +1,6 @@
 //! From a request on the wire to one that can be run, or to everything that is wrong with it.
 
+use client::Connect;
 use planner::{AxisKind, Plan, wrong_name};
 use proto::stream::{DEFAULT_LEAD_CYCLES, LEAD_CYCLES};
 use proto::{FieldViolation, Reason, Rejected, pb};
@@ -71,6 +72,7 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
         settle_tolerance: (settle_tolerance > 0.0).then_some(settle_tolerance),
         stay_open,
         accept_unproved,
+        connect: Connect::new(),
     })
 }
 
