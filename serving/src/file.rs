@@ -11,12 +11,21 @@ use crate::settings::Misfits;
 
 /// `command` with the defaults that the file at `path` says. What is wrong with the file is noted.
 pub(crate) fn with_defaults(command: Command, path: &Path, misfits: &mut Misfits) -> Command {
-    let read = std::fs::read_to_string(path).map_err(|error| format!("cannot be read: {error}"));
-    let table = read.and_then(|text| text.parse::<Table>().map_err(|error| format!("is no TOML: {error}")));
-    let table = match table {
+    match std::fs::read_to_string(path) {
+        Ok(text) => with_settings(command, &text, &path.display().to_string(), misfits),
+        Err(error) => {
+            misfits.note("config", format!("{} cannot be read: {error}", path.display()));
+            command
+        }
+    }
+}
+
+/// `command` with the defaults that a text says, which is called `name` where it is wrong.
+pub fn with_settings(command: Command, text: &str, name: &str, misfits: &mut Misfits) -> Command {
+    let table = match text.parse::<Table>() {
         Ok(table) => table,
-        Err(problem) => {
-            misfits.note("config", format!("{} {}", path.display(), problem.trim()));
+        Err(error) => {
+            misfits.note("config", format!("{name} is no TOML: {}", error.to_string().trim()));
             return command;
         }
     };
@@ -25,15 +34,13 @@ pub(crate) fn with_defaults(command: Command, path: &Path, misfits: &mut Misfits
         if !known {
             let keys: Vec<&str> = settings(&command).map(|arg| arg.get_id().as_str()).collect();
             let nearest = nearest(&key, &keys);
-            misfits.note(key, format!("in {} is no setting{nearest}", path.display()));
+            misfits.note(key, format!("in {name} is no setting{nearest}"));
             return command;
         }
         match text_of(&value) {
             Some(text) => command.mut_arg(key, |arg| arg.default_value(text)),
             None => {
-                let problem =
-                    format!("in {} is neither text, number, truth nor a list of texts", path.display());
-                misfits.note(key, problem);
+                misfits.note(key, format!("in {name} is neither text, number, truth nor a list of texts"));
                 command
             }
         }

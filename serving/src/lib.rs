@@ -40,7 +40,7 @@ mod told;
 /// What pages on the side port are made of.
 pub use axum;
 pub use caller::Caller;
-pub use file::settings_file;
+pub use file::{settings_file, with_settings};
 pub use flags::{Flags, LogFormat};
 pub use given::{Given, List, Seconds};
 pub use leaving::Leaving;

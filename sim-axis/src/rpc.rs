@@ -18,6 +18,7 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
 use crate::config::Config;
+use crate::figures::Figures;
 use crate::models::{InvalidModels, Models};
 use crate::run::{Tracking, Update};
 
@@ -45,6 +46,8 @@ pub(crate) struct Axes {
 
 /// The service for `config`, which takes no new run once the process is leaving.
 pub(crate) fn service(config: &Config, leaving: Leaving) -> Face {
+    // Figures are there from the beginning, so that the first increase of each is seen.
+    drop(Figures::resolve());
     let axes = Axes {
         models: Arc::new(config.models.clone()),
         runs: Arc::new(Semaphore::new(config.max_runs.min(Semaphore::MAX_PERMITS))),

@@ -7,10 +7,14 @@
     reason = "a test may fail by panicking, and compares bits on purpose"
 )]
 
+mod attacked;
+mod bad_fields;
 mod bad_plans;
 mod bad_streams;
+mod browser;
 mod families;
 mod large_messages;
+mod limits;
 mod operations;
 mod plan_then_stream;
 mod pvt;
@@ -20,4 +24,5 @@ mod secured;
 mod side_port;
 mod standing_services;
 mod synchronised;
+mod told;
 mod tracking;
