@@ -76,6 +76,17 @@ pub enum Source {
     Resume(Box<Resume>),
 }
 
+impl Source {
+    /// What is to be played first.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        match self {
+            Self::Plan(plan) => plan.plan(),
+            Self::Resume(resume) => resume.motion.plan(),
+        }
+    }
+}
+
 /// All that a server needs to go on with a stream that another has served.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resume {

@@ -5,10 +5,13 @@
 //!
 //! - `rpc`: the services; each handler is translation around one call
 //! - [`session`]: what one stream does, decided without a clock or a task
+//! - `limits`, `figures`: how large and how many, and what is told of it
 //! - `drive`: the loop between the world and a session
 
 mod config;
 mod drive;
+mod figures;
+mod limits;
 mod rpc;
 pub mod session;
 mod streams;
@@ -20,6 +23,8 @@ use proto::pb::setpoint_service_server::SetpointServiceServer;
 use serving::{Bound, Leaving, Services};
 
 pub use config::Config;
+use figures::Figures;
+pub use limits::Limits;
 use rpc::{Planner, Setpoints};
 pub use serving::{Misfits, ServeError, Settings};
 use streams::Streams;
@@ -48,6 +53,12 @@ impl Server {
         self.bound.address()
     }
 
+    /// Where its side port is, where it has one.
+    #[must_use]
+    pub fn http_address(&self) -> Option<SocketAddr> {
+        self.bound.http_address()
+    }
+
     /// Serves until `stop` completes; then tells every stream, lets each end, and leaves at the drain deadline whatever is
     /// still open. The axes' own buffers make that safe.
     ///
@@ -57,10 +68,11 @@ impl Server {
         let Self { config, bound } = self;
         let served_by = config.served_by.clone().unwrap_or_else(|| bound.address().to_string());
         let leaving = Leaving::default();
-        let streams = Streams::new(config.max_streams);
+        let figures = Figures::resolve();
+        let streams = Streams::new(config.limits, figures.clone());
         // The frame refuses larger ones, with a reason; below it nothing else is to.
         let size = config.serving.max_message_bytes;
-        let planner = PlannerServiceServer::new(Planner::new(&config));
+        let planner = PlannerServiceServer::new(Planner::new(config.limits, figures));
         let setpoints = SetpointServiceServer::new(Setpoints::new(streams, served_by, leaving.clone()));
         let services = Services::of_schema(proto::FILE_DESCRIPTOR_SET)
             .with(planner.max_decoding_message_size(size))

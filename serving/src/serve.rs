@@ -1,22 +1,26 @@
 use std::convert::Infallible;
 use std::fmt;
 use std::net::SocketAddr;
-use std::time::Duration;
 
+use axum::Router;
+use prost::Message as _;
+use prost_types::FileDescriptorSet;
 use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
 use tonic::body::Body;
 use tonic::codegen::{Service, http};
 use tonic::server::NamedService;
 use tonic::service::{Routes, RoutesBuilder};
-use tonic::transport::server::TcpIncoming;
 use tonic_health::ServingStatus;
 use tonic_health::server::HealthReporter;
-use tower::util::{MapRequestLayer, MapResponseLayer};
+
+use crate::connections::Connections;
+use crate::frame::{frame, transport};
 
 use crate::leaving::{FAREWELL, Leaving};
-use crate::refusals::{of_request, of_response};
 use crate::settings::{Misfits, Settings};
+use crate::side_port::{SidePort, router};
+use crate::telemetry;
 
 /// A process that has its port and does not serve yet.
 #[derive(Debug)]
@@ -24,6 +28,7 @@ pub struct Bound {
     settings: Settings,
     listener: TcpListener,
     address: SocketAddr,
+    side_port: Option<SidePort>,
 }
 
 /// What a process serves beside health and reflection.
@@ -31,6 +36,7 @@ pub struct Services {
     schema: &'static [u8],
     routes: RoutesBuilder,
     names: Vec<&'static str>,
+    pages: Router,
 }
 
 /// Why a process cannot serve.
@@ -40,8 +46,10 @@ pub enum ServeError {
     #[error(transparent)]
     Settings(#[from] Misfits),
     /// The port cannot be had.
-    #[error("cannot listen on {address}: {cause}; choose another with --listen")]
+    #[error("cannot listen on {address}: {cause}; choose another with --{setting}")]
     Bind {
+        /// Which of the ports.
+        setting: &'static str,
         /// The address.
         address: SocketAddr,
         /// What the system says.
@@ -59,7 +67,7 @@ impl Services {
     /// None yet, of a schema that is an encoded `google.protobuf.FileDescriptorSet`.
     #[must_use]
     pub fn of_schema(schema: &'static [u8]) -> Self {
-        Self { schema, routes: RoutesBuilder::default(), names: Vec::new() }
+        Self { schema, routes: RoutesBuilder::default(), names: Vec::new(), pages: Router::new() }
     }
 
     /// One more.
@@ -79,8 +87,33 @@ impl Services {
         self
     }
 
-    /// With reflection of exactly what is served, in both versions that tools ask for.
-    fn into_routes<H>(self, health: H) -> Result<Routes, tonic_reflection::server::Error>
+    /// With pages on the side port, beside those that every process has; none is to begin with `/healthz`, `/readyz`,
+    /// `/metrics` or the name of a service.
+    #[must_use]
+    pub fn with_pages(mut self, pages: Router) -> Self {
+        self.pages = self.pages.merge(pages);
+        self
+    }
+
+    /// The methods of all services, as `motion.v1.PlannerService/Plan`; none of a schema that cannot be read, which
+    /// reflection says.
+    fn methods(&self) -> Vec<String> {
+        let files = FileDescriptorSet::decode(self.schema).unwrap_or_default().file;
+        let services = files.iter().flat_map(|file| {
+            file.service
+                .iter()
+                .map(move |service| (format!("{}.{}", file.package(), service.name()), service))
+        });
+        services
+            .filter(|(name, _)| self.names.contains(&name.as_str()))
+            .flat_map(|(name, service)| {
+                service.method.iter().map(move |method| format!("{name}/{}", method.name()))
+            })
+            .collect()
+    }
+
+    /// With reflection of exactly what is served, in both versions that tools ask for, where it is asked for.
+    fn into_routes<H>(self, health: H, reflects: bool) -> Result<Routes, tonic_reflection::server::Error>
     where
         H: Service<http::Request<Body>, Response = http::Response<Body>, Error = Infallible>
             + NamedService
@@ -90,7 +123,7 @@ impl Services {
             + 'static,
         H::Future: Send + 'static,
     {
-        let Self { schema, mut routes, names } = self;
+        let Self { schema, mut routes, names, pages: _ } = self;
         let reflection = || {
             let builder = tonic_reflection::server::Builder::configure()
                 .register_encoded_file_descriptor_set(schema)
@@ -99,6 +132,9 @@ impl Services {
             names.iter().fold(builder, |builder, name| builder.with_service_name(*name))
         };
         routes.add_service(health);
+        if !reflects {
+            return Ok(routes.routes());
+        }
         routes.add_service(reflection().with_service_name(REFLECTION_V1).build_v1()?);
         routes.add_service(reflection().with_service_name(REFLECTION_V1ALPHA).build_v1alpha()?);
         Ok(routes.routes())
@@ -112,17 +148,31 @@ impl fmt::Debug for Services {
 }
 
 impl Bound {
-    /// Takes the port.
+    /// Takes the ports, and begins to keep figures.
     ///
     /// # Errors
     /// Settings that cannot be, and a port that is taken.
     pub async fn to(settings: Settings) -> Result<Self, ServeError> {
         let settings = settings.misfits().into_result(settings)?;
         let address = settings.listen;
-        let bind_error = |cause| ServeError::Bind { address, cause };
+        let bind_error = |cause| ServeError::Bind { setting: "listen", address, cause };
         let listener = TcpListener::bind(address).await.map_err(bind_error)?;
         let address = listener.local_addr().map_err(bind_error)?;
-        Ok(Self { settings, listener, address })
+        let side_port = match settings.http {
+            None => None,
+            Some(address) => {
+                let taken = SidePort::to(address).await;
+                Some(taken.map_err(|cause| ServeError::Bind { setting: "http", address, cause })?)
+            }
+        };
+        telemetry::keep();
+        Ok(Self { settings, listener, address, side_port })
+    }
+
+    /// Where the side port is, where there is one.
+    #[must_use]
+    pub fn http_address(&self) -> Option<SocketAddr> {
+        self.side_port.as_ref().map(SidePort::address)
     }
 
     /// Where the process listens.
@@ -143,19 +193,21 @@ impl Bound {
         leaving: Leaving,
         stop: impl Future<Output = ()> + Send + 'static,
     ) -> Result<(), ServeError> {
-        let Self { settings, listener, address } = self;
+        let Self { settings, listener, address, side_port } = self;
         let (health, health_service) = tonic_health::server::health_reporter();
         let names = services.names.clone();
         tell(&health, &names, ServingStatus::Serving).await;
-        let most = settings.max_message_bytes;
-        let router = tonic::transport::Server::builder()
-            .initial_stream_window_size(settings.stream_window_bytes)
-            .initial_connection_window_size(settings.connection_window_bytes)
-            .http2_keepalive_interval(Some(KEEPALIVE_INTERVAL))
-            .http2_keepalive_timeout(Some(KEEPALIVE_TIMEOUT))
-            .layer(MapRequestLayer::new(move |request| of_request(request, most)))
-            .layer(MapResponseLayer::new(move |response| of_response(response, most)))
-            .add_routes(services.into_routes(health_service)?);
+        let health_pages = Routes::new(health_service.clone()).into_axum_router();
+        let pages = router(services.pages.clone(), health_pages, &leaving);
+        let beside = async {
+            match side_port {
+                Some(port) => port.serve(pages).await,
+                None => std::future::pending().await,
+            }
+        };
+        let incoming = Connections::of(listener, settings.max_connections, settings.keepalive_timeout);
+        let mut server = transport(&settings)?.layer(frame(&settings, services.methods()));
+        let server = server.add_routes(services.into_routes(health_service, settings.reflection)?);
 
         tracing::info!(%address, "serving");
         let gone = CancellationToken::new();
@@ -169,8 +221,7 @@ impl Bound {
                 gone.cancel();
             }
         };
-        let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
-        let serving = router.serve_with_incoming_shutdown(incoming, leave);
+        let serving = server.serve_with_incoming_shutdown(incoming, leave);
         let farewell = async {
             gone.cancelled().await;
             #[expect(
@@ -182,6 +233,9 @@ impl Bound {
         tokio::select! {
             served = serving => served?,
             () = farewell => {}
+            // To the last moment: a process that drains is asked whether it is ready.
+            () = beside => {}
+            () = telemetry::take_up() => {}
         }
         Ok(())
     }
@@ -193,11 +247,6 @@ async fn tell(health: &HealthReporter, names: &[&str], status: ServingStatus) {
         health.set_service_status(name, status).await;
     }
 }
-
-/// How often a silent connection is asked whether it is still there, and how long it may take to answer: half-open
-/// connections end, and the work for them.
-const KEEPALIVE_INTERVAL: Duration = Duration::from_secs(10);
-const KEEPALIVE_TIMEOUT: Duration = Duration::from_secs(5);
 
 const REFLECTION_V1: &str = "grpc.reflection.v1.ServerReflection";
 const REFLECTION_V1ALPHA: &str = "grpc.reflection.v1alpha.ServerReflection";

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime};
 
 use client::failover::{Change, DEFAULT_PATIENCE, Failure, News};
-use client::{Buffer, Next, Standing, Uplink};
+use client::{Buffer, Connect, Next, Servers, Standing, Uplink};
 use planner::{Accepted, AxisKind, Setpoint};
 use proto::Digest;
 use proto::stream::{
@@ -19,6 +19,7 @@ use crate::axis::{Axis, AxisConfig, InvalidConfig};
 use crate::clock::Clock;
 use crate::commands::{Answered, Command, Commander, Waiting, commander};
 use crate::cycle_thread::{Fed, Feed, Outcome, Outside, ReportRing, SampleRing, Word, spawn};
+use crate::figures::Figures;
 use crate::jitter::Jitter;
 use crate::model::AxisModel;
 use crate::monitor::ReportCard;
@@ -50,6 +51,8 @@ pub struct TrackRequest {
     pub accept_unproved: bool,
     /// How long a planner that goes on is looked for, once there is none.
     pub patience: Duration,
+    /// How planners are connected to.
+    pub connect: Connect,
 }
 
 /// How long loads are watched after the last setpoint where nobody says [s]: two dozen swings of a soft machine.
@@ -65,6 +68,11 @@ pub fn default_settle_tolerance(kind: AxisKind) -> f64 {
 }
 
 impl TrackRequest {
+    fn servers(&self) -> Servers {
+        let (endpoints, connect) = (self.endpoints.clone(), self.connect.clone());
+        Servers { endpoints, connect, patience: self.patience }
+    }
+
     /// To follow `plan` from the planner at `endpoint`, with ideal axes, in wall-clock time.
     #[must_use]
     pub fn new(stream: impl Into<String>, endpoint: impl Into<String>, plan: Accepted) -> Self {
@@ -80,6 +88,7 @@ impl TrackRequest {
             stay_open: false,
             accept_unproved: false,
             patience: DEFAULT_PATIENCE,
+            connect: Connect::new(),
         }
     }
 }
@@ -255,7 +264,7 @@ impl Tracking {
         let axes = axes(&request)?;
         let open = open_of(&request);
         let cycle = request.plan.plan().cycle_time();
-        let mut uplink = Uplink::new(request.endpoints.clone(), open.clone(), cycle, request.patience);
+        let mut uplink = Uplink::new(request.servers(), open.clone(), cycle);
         let Opened { motion, served_by, .. } = opened(&mut uplink).await?;
         let player = player(&open, axes, &motion, &uplink);
         let (commander, commands) = commander();
@@ -415,7 +424,9 @@ async fn carry(
     let (events, event_queue) = mpsc::channel(EVENTS);
     let nobody = teller.clone();
     let failovers = AtomicU64::new(0);
-    let stream = Stream { uplink, reports, commands, waiting: &waiting, events, failovers: &failovers };
+    let figures = Figures::resolve();
+    let stream =
+        Stream { uplink, reports, commands, waiting: &waiting, events, failovers: &failovers, figures };
     let mut streaming = Box::pin(stream.carry(&mut feed));
     let mut telling = Box::pin(tell(samples, event_queue, teller, clock));
     let mut outcome = std::pin::pin!(outcome);
@@ -494,6 +505,7 @@ struct Stream<'a> {
     waiting: &'a Waiting,
     events: mpsc::Sender<Update>,
     failovers: &'a AtomicU64,
+    figures: Figures,
 }
 
 impl Stream<'_> {
@@ -537,6 +549,7 @@ impl Stream<'_> {
                 let cause = cause.name();
                 tracing::info!(cause, from, to, executed_cycle, took_ms = took.as_millis(), "failed over");
                 self.failovers.fetch_add(1, Ordering::Relaxed);
+                self.figures.failed_over(change.cause);
                 drop(self.events.try_send(Update::FailedOver(change)));
             }
         }
@@ -554,6 +567,7 @@ impl Stream<'_> {
         }
         self.reports.thread.wake();
         if let Some(Word { report, heeded }) = newest {
+            self.figures.report(&report);
             self.uplink.report(report, heeded);
         }
         if !self.reports.reports.is_empty() {
@@ -580,6 +594,7 @@ async fn tell(
     teller: mpsc::Sender<Update>,
     clock: Clock,
 ) {
+    let figures = Figures::resolve();
     let mut queue = VecDeque::new();
     let mut has_events = true;
     let mut lost = 0_u64;
@@ -587,7 +602,11 @@ async fn tell(
         let done = ring.full.is_abandoned();
         while clock == Clock::Wall || queue.len() < WAITING {
             let Ok(mut chunk) = ring.full.pop() else { break };
-            queue.push_back(Update::Samples(chunk.read()));
+            let samples = chunk.read();
+            if clock == Clock::Wall {
+                figures.lateness(&samples.tracking.cycle_jitter_ns);
+            }
+            queue.push_back(Update::Samples(samples));
             chunk.clear();
             // There are as many places as chunks.
             let _ = ring.empty.push(chunk);

@@ -6,10 +6,12 @@
     reason = "helpers of tests fail by panicking"
 )]
 
+mod certificates;
 mod rig;
 
 use std::net::SocketAddr;
 
+pub use certificates::{Authority, Identity};
 use client::Client;
 use planner::{
     Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, ShortPathPolicy, State,
@@ -29,6 +31,7 @@ use tonic::transport::{Channel, Endpoint};
 #[derive(Debug)]
 pub struct Loopback {
     address: SocketAddr,
+    http: Option<SocketAddr>,
     stop: Option<oneshot::Sender<()>>,
     serving: JoinHandle<()>,
 }
@@ -42,7 +45,7 @@ impl Loopback {
     /// A server with these settings.
     pub async fn with(config: Config) -> Self {
         let server = Server::bind(config).await.expect("a free port");
-        let address = server.address();
+        let (address, http) = (server.address(), server.http_address());
         let (stop, stopped) = oneshot::channel();
         let serving = tokio::spawn(async move {
             let stop = async {
@@ -51,13 +54,25 @@ impl Loopback {
             };
             server.run(stop).await.expect("served");
         });
-        Self { address, stop: Some(stop), serving }
+        Self { address, http, stop: Some(stop), serving }
+    }
+
+    /// Where it is, for those who come with encryption; certificates name this machine as `localhost`.
+    #[must_use]
+    pub fn secure_endpoint(&self) -> String {
+        format!("https://localhost:{}", self.address.port())
     }
 
     /// Where it is.
     #[must_use]
     pub fn endpoint(&self) -> String {
         format!("http://{}", self.address)
+    }
+
+    /// A page of its side port.
+    #[must_use]
+    pub fn page(&self, path: &str) -> String {
+        format!("http://{}{path}", self.http.expect("a side port"))
     }
 
     /// A typed client.
@@ -97,6 +112,7 @@ impl Loopback {
 #[derive(Debug)]
 pub struct LoopbackAxis {
     address: SocketAddr,
+    http: Option<SocketAddr>,
     stop: Option<oneshot::Sender<()>>,
     serving: JoinHandle<()>,
 }
@@ -110,7 +126,7 @@ impl LoopbackAxis {
     /// A simulator with these settings.
     pub async fn with(config: sim_axis::Config) -> Self {
         let axis = SimAxis::bind(config).await.expect("a free port");
-        let address = axis.address();
+        let (address, http) = (axis.address(), axis.http_address());
         let (stop, stopped) = oneshot::channel();
         let serving = tokio::spawn(async move {
             let stop = async {
@@ -119,13 +135,25 @@ impl LoopbackAxis {
             };
             axis.run(stop).await.expect("served");
         });
-        Self { address, stop: Some(stop), serving }
+        Self { address, http, stop: Some(stop), serving }
+    }
+
+    /// Where it is, for those who come with encryption; certificates name this machine as `localhost`.
+    #[must_use]
+    pub fn secure_endpoint(&self) -> String {
+        format!("https://localhost:{}", self.address.port())
     }
 
     /// Where it is.
     #[must_use]
     pub fn endpoint(&self) -> String {
         format!("http://{}", self.address)
+    }
+
+    /// A page of its side port.
+    #[must_use]
+    pub fn page(&self, path: &str) -> String {
+        format!("http://{}{path}", self.http.expect("a side port"))
     }
 
     /// A bare connection, for what no client of ours would say.

@@ -4,6 +4,7 @@ use sim_axis::{Clock, DEFAULT_SETTLE_WINDOW, RemoteAxis, TrackRequest};
 use crate::args::TrackArgs;
 use crate::command::demo::draw;
 use crate::failure::Failure;
+use crate::service::Server;
 use crate::show::paint::Screen;
 use crate::show::watch::Watch;
 use crate::show::{json, report};
@@ -13,7 +14,7 @@ use crate::source;
 const USUAL_AXIS: &str = "http://127.0.0.1:50052";
 
 /// `portamento track`
-pub(crate) fn run(args: &TrackArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
+pub(crate) fn run(args: &TrackArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
     let plan = source::plan(&args.source.plan)?;
     let judged = Judged::new(plan);
     let plan = judged.clone().accepted().map_err(Failure::refused)?;
@@ -30,7 +31,7 @@ pub(crate) fn run(args: &TrackArgs, endpoint: Option<&str>, screen: &mut Screen<
     let runtime = runtime.map_err(|error| Failure::Internal(error.to_string()))?;
     let (report, tracked) = runtime.block_on(async {
         let mut watch = Watch::new(judged.plan(), request.settle_window, args.plot.is_some());
-        let axis = RemoteAxis::connect(endpoint.unwrap_or(USUAL_AXIS)).await?;
+        let axis = RemoteAxis::connect_by(server.connect, server.endpoint.unwrap_or(USUAL_AXIS)).await?;
         let mut run = axis.track(request).await?;
         while let Some(update) = run.next().await? {
             watch.see(update);

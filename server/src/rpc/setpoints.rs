@@ -1,13 +1,19 @@
+use std::pin::Pin;
+use std::task::{Context, Poll, ready};
+use std::time::Instant;
+
 use proto::pb;
 use proto::pb::setpoint_service_server::SetpointService;
 use proto::{Reason, Rejected};
-use serving::Leaving;
+use serving::{Caller, Leaving};
 use tokio::sync::mpsc;
+use tokio_stream::Stream;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status, Streaming};
 
 use super::not_implemented;
 use crate::drive;
+use crate::figures::Figures;
 use crate::streams::Streams;
 
 /// Messages made ahead of a slow reader.
@@ -27,9 +33,28 @@ impl Setpoints {
     }
 }
 
+/// What goes out to an axis, counted as it goes.
+#[derive(Debug)]
+pub(crate) struct Told {
+    receiver: ReceiverStream<Result<pb::StreamSetpointsResponse, Status>>,
+    figures: Figures,
+}
+
+impl Stream for Told {
+    type Item = Result<pb::StreamSetpointsResponse, Status>;
+
+    fn poll_next(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Self::Item>> {
+        let message = ready!(Pin::new(&mut self.receiver).poll_next(cx));
+        if let Some(Ok(message)) = &message {
+            self.figures.sent(message);
+        }
+        Poll::Ready(message)
+    }
+}
+
 #[tonic::async_trait]
 impl SetpointService for Setpoints {
-    type StreamSetpointsStream = ReceiverStream<Result<pb::StreamSetpointsResponse, Status>>;
+    type StreamSetpointsStream = Told;
 
     async fn stream_setpoints(
         &self,
@@ -41,21 +66,27 @@ impl SetpointService for Setpoints {
         }
         let (sender, receiver) = mpsc::channel(AHEAD);
         let Self { streams, served_by, leaving } = self.clone();
+        let streams = streams.as_used_by(Caller::of(&request));
+        let figures = streams.figures().clone();
         let session = drive::drive(request.into_inner(), sender, streams, served_by, leaving);
         self.leaving.spawn(session);
-        Ok(Response::new(ReceiverStream::new(receiver)))
+        let receiver = ReceiverStream::new(receiver);
+        Ok(Response::new(Told { receiver, figures }))
     }
 
     async fn control_stream(
         &self,
         request: Request<pb::ControlStreamRequest>,
     ) -> Result<Response<pb::ControlStreamResponse>, Status> {
+        let streams = self.streams.as_used_by(Caller::of(&request));
         let pb::ControlStreamRequest { stream, operation } = request.into_inner();
         let operation = operation.ok_or_else(|| {
             let text = "is not set: say what to do, as hold or resume";
             Rejected::for_field("operation", Reason::FieldMissing, text)
         })?;
-        let result = self.streams.command(&stream, operation.into()).await?;
+        let asked = Instant::now();
+        let result = streams.command(&stream, operation.into()).await?;
+        streams.figures().operated(asked);
         Ok(Response::new(pb::ControlStreamResponse { result: Some(result.into()) }))
     }
 

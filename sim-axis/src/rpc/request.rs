@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use client::Connect;
 use client::failover::DEFAULT_PATIENCE;
 use planner::{AxisKind, Plan, wrong_name};
 use proto::stream::{DEFAULT_LEAD_CYCLES, LEAD_CYCLES};
@@ -84,6 +85,7 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
         stay_open,
         accept_unproved,
         patience: Duration::from_secs_f64(patience),
+        connect: Connect::new(),
     })
 }
 
