@@ -5,6 +5,7 @@
 //! - [`Setpoints`]: the cycles of a stream in order; a gap is an error, not a shrug
 //! - [`Buffer`]: the rule by which an axis accepts setpoints, for those who own the clock: no allocation, no waiting
 //! - [`Client::control`], [`control`]: operations on a stream that an axis has opened
+//! - [`Client::watch`]: streams as they run, for those who only look on
 //! - [`Link`]: the messages of a stream as they come, for those who own a buffer
 //!
 //! Domain types go in and come out; the wire stays inside.
@@ -17,6 +18,7 @@ mod join;
 mod link;
 mod revision;
 mod setpoints;
+mod watch;
 
 use std::time::Duration;
 
@@ -37,6 +39,7 @@ pub use join::JoinRule;
 pub use link::{Link, Reports};
 pub use revision::Revision;
 pub use setpoints::Setpoints;
+pub use watch::Watching;
 
 /// A connection to one server.
 #[derive(Clone, Debug)]

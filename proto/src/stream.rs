@@ -4,6 +4,7 @@
 //! not in the digest.
 
 mod motion;
+mod watched;
 
 use std::ops::RangeInclusive;
 
@@ -14,6 +15,7 @@ use crate::Digest;
 pub use motion::{
     Ask, GoalSpec, Motion, Operation, OperationRefusal, OperationResult, RECENT_RESULTS, refused_operation,
 };
+pub use watched::{Watch, Watched};
 
 /// What an axis says.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,12 +6,14 @@
 //! - `rpc`: the services; each handler is translation around one call
 //! - [`session`]: what one stream does, decided without a clock or a task
 //! - `drive`: the loop between the world and a session
+//! - `watch`: who looks on
 
 mod config;
 mod drive;
 mod rpc;
 pub mod session;
 mod streams;
+mod watch;
 
 use std::net::SocketAddr;
 
@@ -23,6 +25,7 @@ pub use config::Config;
 use rpc::{Planner, Setpoints};
 pub use serving::{Misfits, ServeError, Settings};
 use streams::Streams;
+use watch::Board;
 
 /// A server that has its port and does not serve yet.
 #[derive(Debug)]
@@ -57,11 +60,12 @@ impl Server {
         let Self { config, bound } = self;
         let served_by = config.served_by.clone().unwrap_or_else(|| bound.address().to_string());
         let leaving = Leaving::default();
-        let streams = Streams::new(config.max_streams);
+        let (streams, board) = (Streams::new(config.max_streams), Board::default());
         // The frame refuses larger ones, with a reason; below it nothing else is to.
         let size = config.serving.max_message_bytes;
         let planner = PlannerServiceServer::new(Planner::new(&config));
-        let setpoints = SetpointServiceServer::new(Setpoints::new(streams, served_by, leaving.clone()));
+        let setpoints =
+            SetpointServiceServer::new(Setpoints::new(streams, board, served_by, leaving.clone()));
         let services = Services::of_schema(proto::FILE_DESCRIPTOR_SET)
             .with(planner.max_decoding_message_size(size))
             .with(setpoints.max_decoding_message_size(size));

@@ -23,6 +23,7 @@ use crate::model::AxisModel;
 use crate::monitor::ReportCard;
 use crate::player::{Divergence, Player};
 use crate::samples::Samples;
+use crate::watched::WatchedBy;
 
 /// What an axis is asked to follow, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -445,9 +446,10 @@ async fn carry(
     let (events, event_queue) = mpsc::channel(EVENTS);
     let nobody = teller.clone();
     let mut forwarding = Box::pin(forward(commands, reports.clone(), &waiting));
-    let mut feeding = Box::pin(feed_from(link, &mut feed, events, &waiting));
-    let mut telling = Box::pin(tell(samples, event_queue, teller, clock));
-    let mut speaking = Box::pin(speak(report_ring, reports));
+    let watched = WatchedBy::default();
+    let mut feeding = Box::pin(feed_from(link, &mut feed, events, (&waiting, &watched)));
+    let mut telling = Box::pin(tell(samples, event_queue, teller, (clock, &watched)));
+    let mut speaking = Box::pin(speak(report_ring, reports, &watched));
     let mut outcome = std::pin::pin!(outcome);
     let (mut ended, mut told, mut forwarded) = (None, false, false);
 
@@ -522,7 +524,7 @@ async fn feed_from(
     mut link: Link,
     feed: &mut Feed,
     events: mpsc::Sender<StreamEvent>,
-    waiting: &Waiting,
+    (waiting, watched): (&Waiting, &WatchedBy),
 ) -> Result<(), client::Error> {
     let how = loop {
         match link.next().await {
@@ -531,7 +533,10 @@ async fn feed_from(
                 feed.push(Fed::Batch(epoch, batch)).await;
             }
             // Who does not take up events loses the newest: none of them says what a report does not.
-            Ok(Some((_, ToAxis::Event(event)))) => drop(events.try_send(event)),
+            Ok(Some((_, ToAxis::Event(event)))) => {
+                watched.hear(event);
+                let _ = events.try_send(event);
+            }
             Ok(Some((epoch, ToAxis::Revised(revised)))) => {
                 feed.push(Fed::Revised(epoch, Revision::of(&revised.motion))).await;
             }
@@ -553,7 +558,7 @@ async fn feed_from(
 }
 
 /// Tells the server where the axis is. Of several reports that wait, the newest says it all; refusals go one by one.
-async fn speak(mut ring: ReportRing, reports: Reports) {
+async fn speak(mut ring: ReportRing, reports: Reports, watched: &WatchedBy) {
     loop {
         ring.news.notified().await;
         let mut newest = None;
@@ -565,7 +570,8 @@ async fn speak(mut ring: ReportRing, reports: Reports) {
             }
         }
         ring.thread.wake();
-        if let Some(report) = newest {
+        if let Some(mut report) = newest {
+            report.tracking = watched.take();
             // A stream that is over says so where it is read.
             reports.send(&report).await;
         }
@@ -580,7 +586,7 @@ async fn tell(
     mut ring: SampleRing,
     mut events: mpsc::Receiver<StreamEvent>,
     teller: mpsc::Sender<Update>,
-    clock: Clock,
+    (clock, watched): (Clock, &WatchedBy),
 ) {
     let mut queue = VecDeque::new();
     let mut has_events = true;
@@ -589,7 +595,9 @@ async fn tell(
         let done = ring.full.is_abandoned();
         while clock == Clock::Wall || queue.len() < WAITING {
             let Ok(mut chunk) = ring.full.pop() else { break };
-            queue.push_back(Update::Samples(chunk.read()));
+            let read = chunk.read();
+            watched.put(&read.tracking);
+            queue.push_back(Update::Samples(read));
             chunk.clear();
             // There are as many places as chunks.
             let _ = ring.empty.push(chunk);

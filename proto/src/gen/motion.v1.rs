@@ -2307,11 +2307,11 @@ pub struct WatchStreamRequest {
     /// Name of the stream. Empty: summaries of all streams that the caller may see.
     #[prost(string, tag = "1")]
     pub stream: ::prost::alloc::string::String,
-    /// Least time between two messages of a stream, > 0. Unset: 50 ms.
+    /// Least time between two messages of a stream, > 0 and at most 60 s. Unset: 50 ms.
     #[prost(message, optional, tag = "2")]
     pub period: ::core::option::Option<::prost_types::Duration>,
-    /// Most values per message, axis and column; beyond it columns are decimated, with their extremes
-    /// kept. 0: the server's default.
+    /// Most values per message, axis and column, up to 10000; beyond it columns are decimated, with
+    /// their extremes kept, of following errors first. 0: the server's default, 500.
     #[prost(uint32, tag = "3")]
     pub max_points: u32,
 }
@@ -2364,6 +2364,12 @@ pub struct WatchStreamResponse {
     /// What happened since the last message.
     #[prost(message, repeated, tag = "12")]
     pub events: ::prost::alloc::vec::Vec<StreamEvent>,
+    /// Period of the control loop, of which cycles are counts.
+    #[prost(message, optional, tag = "13")]
+    pub cycle_time: ::core::option::Option<::prost_types::Duration>,
+    /// What each axis moves in, in plan order, and with it the unit of its columns.
+    #[prost(enumeration = "AxisKind", repeated, tag = "14")]
+    pub kinds: ::prost::alloc::vec::Vec<i32>,
 }
 impl ::prost::Name for WatchStreamResponse {
     const NAME: &'static str = "WatchStreamResponse";

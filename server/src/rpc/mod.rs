@@ -8,7 +8,7 @@ mod setpoints;
 pub(crate) use planner::Planner;
 pub(crate) use setpoints::Setpoints;
 
-use proto::{Reason, Rejected};
+use proto::Rejected;
 use tonic::Status;
 
 /// Does work that takes long where nobody waits for it: the streams of this process go on.
@@ -19,9 +19,4 @@ async fn aside<T: Send + 'static>(
         Ok(done) => done.map_err(Status::from),
         Err(error) => Err(Status::internal(error.to_string())),
     }
-}
-
-/// What a later version will answer.
-fn not_implemented(what: &str, instead: &str) -> Status {
-    Rejected::new(Reason::NotImplemented, format!("{what} is not implemented: {instead}")).into()
 }

@@ -1,0 +1,151 @@
+use std::sync::atomic::Ordering;
+
+use proto::stream::{StreamEvent, Watch, Watched};
+use proto::{Reason, Rejected};
+use serving::Leaving;
+use tokio::sync::mpsc;
+use tokio::time::{Instant, Interval, MissedTickBehavior, interval};
+
+use super::Board;
+use super::board::{Seen, Summary, Watching};
+use super::rows::Rows;
+
+/// Where messages go.
+type Outgoing = mpsc::Sender<Result<Watched, Rejected>>;
+
+/// Shows one stream until it ends, or nobody looks.
+pub(crate) async fn watch_stream(board: Board, watch: Watch, outgoing: Outgoing, leaving: Leaving) {
+    let found = board.find(watch.stream.as_deref().unwrap_or_default());
+    let hub = match found {
+        Ok(hub) => hub,
+        Err(rejected) => {
+            let _ = outgoing.send(Err(rejected)).await;
+            return;
+        }
+    };
+    drop(board);
+    let mut watching = hub.watch();
+    let mut view = View::new(&watching, &watch);
+    let mut ticks = ticks(&watch);
+    loop {
+        tokio::select! {
+            seen = watching.seen.recv() => match seen {
+                Some(seen) => view.take(seen),
+                None => {
+                    // The last message waits for its reader, who may be slow and is to know the end.
+                    let _ = outgoing.send(Ok(view.message(&watching, true))).await;
+                    return;
+                }
+            },
+            _ = ticks.tick(), if view.has_news => {
+                let message = view.message(&watching, false);
+                match outgoing.try_send(Ok(message)) {
+                    Ok(()) => {}
+                    Err(mpsc::error::TrySendError::Full(_)) => view.dropped += 1,
+                    Err(mpsc::error::TrySendError::Closed(_)) => return,
+                }
+            }
+            () = outgoing.closed() => return,
+            () = leaving.due() => {
+                let _ = outgoing.try_send(Err(draining()));
+                return;
+            }
+        }
+    }
+}
+
+/// What is to be shown next of a stream.
+struct View {
+    most: usize,
+    rows: Rows,
+    summary: Summary,
+    events: Vec<StreamEvent>,
+    dropped: u64,
+    has_news: bool,
+}
+
+/// Events that wait to be shown: a stream has a handful in its life.
+const MOST_EVENTS: usize = 64;
+
+impl View {
+    fn new(watching: &Watching, watch: &Watch) -> Self {
+        let hub = &watching.hub;
+        Self {
+            most: watch.max_points,
+            rows: Rows::of_axes(hub.axes.len()),
+            summary: hub.summary(),
+            events: Vec::new(),
+            dropped: 0,
+            has_news: true,
+        }
+    }
+
+    fn take(&mut self, seen: Seen) {
+        self.has_news = true;
+        match seen {
+            Seen::Report(reported) => {
+                self.summary = reported.summary;
+                if self.rows.command(reported.first_cycle, &reported.commanded) > 0 {
+                    self.dropped += 1;
+                }
+                if let Some(tracking) = &reported.tracking {
+                    self.rows.measure(tracking);
+                }
+            }
+            Seen::Event(event) if self.events.len() < MOST_EVENTS => self.events.push(event),
+            Seen::Event(_) => self.dropped += 1,
+        }
+    }
+
+    fn message(&mut self, watching: &Watching, end: bool) -> Watched {
+        self.has_news = false;
+        let shown = self.rows.show(self.most, end);
+        let dropped = self.dropped + watching.lost.load(Ordering::Relaxed);
+        Watched {
+            cycles: shown.cycles,
+            commanded: shown.commanded,
+            tracking: shown.tracking,
+            events: std::mem::take(&mut self.events),
+            ..watching.hub.message(self.summary, dropped)
+        }
+    }
+}
+
+/// Shows how all streams stand, again and again, until nobody looks or the server is told to leave.
+///
+/// A reader who does not keep up skips rounds, which are counted: what it gets is how the streams stand now.
+pub(crate) async fn watch_all(board: Board, watch: Watch, outgoing: Outgoing, leaving: Leaving) {
+    let mut ticks = ticks(&watch);
+    let (mut dropped, mut last) = (0_u64, None::<Instant>);
+    loop {
+        tokio::select! {
+            _ = ticks.tick() => {}
+            () = outgoing.closed() => return,
+            () = leaving.begun() => {
+                let _ = outgoing.send(Err(draining())).await;
+                return;
+            }
+        }
+        let now = Instant::now();
+        if let Some(last) = last.replace(now) {
+            let rounds = (now - last).as_nanos() / watch.period.as_nanos().max(1);
+            dropped += u64::try_from(rounds.saturating_sub(1)).unwrap_or(u64::MAX);
+        }
+        for hub in board.all() {
+            if outgoing.send(Ok(hub.message(hub.summary(), dropped))).await.is_err() {
+                return;
+            }
+        }
+    }
+}
+
+fn ticks(watch: &Watch) -> Interval {
+    let mut ticks = interval(watch.period);
+    // The period is the least time between two messages: what is late is not made up for.
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    ticks
+}
+
+fn draining() -> Rejected {
+    Rejected::new(Reason::Draining, "this server is about to leave: watch the stream on another")
+}
