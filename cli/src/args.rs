@@ -2,11 +2,14 @@
 
 mod command;
 mod compare;
+mod diff;
 mod field;
+mod init;
 mod limits;
 mod motion;
 mod pvt;
 mod value;
+mod watch;
 
 use std::path::PathBuf;
 
@@ -16,11 +19,14 @@ use proto::Reason;
 use crate::law::LawFlags;
 pub(crate) use command::{CommandArgs, Order};
 pub(crate) use compare::CompareArgs;
+pub(crate) use diff::DiffArgs;
 pub(crate) use field::{flag_of, in_flags};
+pub(crate) use init::{InitArgs, What};
 pub(crate) use limits::{HigherLimitFlags, LimitFlags};
 pub(crate) use motion::{Kind, LOST_DISTANCE, MoveFlags};
 pub(crate) use pvt::PvtArgs;
-use value::{endpoint, nanoseconds, svg};
+use value::{endpoint, figure, nanoseconds};
+pub(crate) use watch::WatchArgs;
 
 /// Smooth, jerk-limited motion for machine axes: plans it, proves it, streams it.
 ///
@@ -36,19 +42,23 @@ use value::{endpoint, nanoseconds, svg};
     after_help = "\
 Examples:
   portamento demo
+  portamento init
+  portamento plan --request request.json --plot move.svg
   portamento plan --distance 0.05 --max-velocity 0.25 --max-acceleration 3 \\
-      --max-jerk 100 --plot move.svg --output move.json
+      --max-jerk 100 --plot move.png --output move.json
   portamento pvt --points points.csv --max-velocity 0.5 \\
       --max-acceleration 4 --max-jerk 160 --plot points.svg
   portamento verify --plan move.json
+  portamento diff move.json other.json
   portamento sample --plan move.json --output move.csv
   portamento track --plan move.json --endpoint http://127.0.0.1:50052
   portamento command hold --axis http://127.0.0.1:50052
+  portamento watch
   portamento explain PATH_TOO_SHORT
 
 Exit codes:
   0  done
-  1  failed; for verify: the plan does not pass
+  1  failed; verify: the plan does not pass; diff: the plans differ
   2  usage: a flag or an input file cannot be understood
   3  infeasible or refused, with the way out in the message
   4  the endpoint cannot be reached"
@@ -80,14 +90,17 @@ pub(crate) struct Global {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Demo(DemoArgs),
+    Init(InitArgs),
     Plan(Box<PlanArgs>),
     Pvt(Box<PvtArgs>),
     Compare(Box<CompareArgs>),
     Verify(VerifyArgs),
+    Diff(DiffArgs),
     Sample(SampleArgs),
     Track(TrackArgs),
     #[command(name = "command")]
     Operate(CommandArgs),
+    Watch(WatchArgs),
     Explain(ExplainArgs),
 }
 
@@ -151,7 +164,7 @@ pub(crate) struct PlanArgs {
         conflicts_with_all = ["MoveFlags", "LimitFlags", "HigherLimitFlags", "LawFlags", "plot", "output"])]
     pub(crate) batch: Option<PathBuf>,
     /// Write a plot of position, velocity, acceleration and jerk over time.
-    #[arg(long, value_name = "FILE.svg", help_heading = "Output", value_parser = svg)]
+    #[arg(long, value_name = "FILE.svg|png", help_heading = "Output", value_parser = figure)]
     pub(crate) plot: Option<PathBuf>,
     /// Save the Plan as JSON, for verify, sample and track.
     #[arg(long, value_name = "FILE.json", help_heading = "Output")]
@@ -222,7 +235,7 @@ Examples:
   portamento demo --virtual-time --json")]
 pub(crate) struct DemoArgs {
     /// Where to draw s, v, a and j, commanded against measured.
-    #[arg(long, value_name = "FILE.svg", default_value = "portamento-demo.svg", value_parser = svg)]
+    #[arg(long, value_name = "FILE.svg|png", default_value = "portamento-demo.svg", value_parser = figure)]
     pub(crate) plot: PathBuf,
     /// As fast as it computes, instead of one cycle a millisecond; operations may then come some cycles later.
     #[arg(long)]
@@ -265,7 +278,7 @@ pub(crate) struct TrackArgs {
     #[arg(long)]
     pub(crate) accept_unproved: bool,
     /// Draw s, v, a and j of the axis, commanded against measured; of the first axis, where there are several.
-    #[arg(long, value_name = "FILE.svg", value_parser = svg)]
+    #[arg(long, value_name = "FILE.svg|png", value_parser = figure)]
     pub(crate) plot: Option<PathBuf>,
 }
 

@@ -208,6 +208,5 @@ fn fifty_millimetres() -> RequestSpec {
 
 /// Draws what was commanded and what was measured.
 pub(super) fn draw(path: &Path, judged: &Judged, tracked: &Tracked) -> Result<(), Failure> {
-    let svg = plot::svg(&plot::of_tracking(judged.plan(), tracked))?;
-    std::fs::write(path, svg).map_err(Failure::unwritable(path))
+    plot::write(path, &plot::of_tracking(judged.plan(), tracked))
 }

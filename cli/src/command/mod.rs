@@ -3,14 +3,17 @@
 mod batch;
 mod compare;
 mod demo;
+pub(crate) mod diff;
 mod explain;
 mod follow;
+mod init;
 mod operate;
 mod plan;
 mod pvt;
 mod sample;
 mod track;
 mod verify;
+mod watch;
 
 use std::io::{self, BufWriter};
 
@@ -36,13 +39,16 @@ pub(crate) fn run() -> u8 {
                 .to_owned(),
         )),
         Command::Demo(args) => demo::run(args, &mut screen),
+        Command::Init(args) => init::run(args, &mut screen),
         Command::Plan(args) => plan::run(args, endpoint, &mut screen),
         Command::Pvt(args) => pvt::run(args, endpoint, &mut screen),
         Command::Compare(args) => compare::run(args, endpoint, &mut screen),
         Command::Verify(args) => verify::run(args, endpoint, &mut screen),
+        Command::Diff(args) => diff::run(args, &mut screen),
         Command::Sample(args) => sample::run(args, endpoint, &mut screen),
         Command::Track(args) => track::run(args, endpoint, &mut screen),
         Command::Operate(args) => operate::run(args, &mut screen),
+        Command::Watch(args) => watch::run(args, endpoint, &mut screen),
         Command::Explain(args) => explain::run(args, &mut screen),
     };
     let done = done.and_then(|()| screen.out.flush().map_err(Failure::from));
