@@ -51,6 +51,12 @@ impl Server {
         self.bound.address()
     }
 
+    /// Where its side port is, where it has one.
+    #[must_use]
+    pub fn http_address(&self) -> Option<SocketAddr> {
+        self.bound.http_address()
+    }
+
     /// Serves until `stop` completes; then tells every stream, lets each end, and leaves at the drain deadline whatever is
     /// still open. The axes' own buffers make that safe.
     ///

@@ -23,6 +23,9 @@ struct Args {
     /// The name by which axes know this replica [default: its address].
     #[arg(long, env = "PORTAMENTO_SERVED_BY", value_name = "NAME")]
     served_by: Option<String>,
+    /// Where to serve HTTP beside gRPC: /healthz, /readyz, /metrics, and pages for people; nowhere by default.
+    #[arg(long, env = "PORTAMENTO_HTTP", value_name = "ADDRESS:PORT")]
+    http: Option<SocketAddr>,
     /// Serve addresses that other machines reach, without encryption.
     #[arg(long, env = "PORTAMENTO_INSECURE")]
     insecure: bool,
@@ -69,6 +72,7 @@ fn config(args: Args) -> Result<Config, Exit> {
     let Args {
         listen,
         served_by,
+        http,
         insecure,
         drain_deadline,
         max_streams,
@@ -76,7 +80,7 @@ fn config(args: Args) -> Result<Config, Exit> {
         max_message_bytes,
         command: _,
     } = args;
-    let settings = Settings { listen, insecure, max_message_bytes, ..Settings::on_port(0) };
+    let settings = Settings { listen, http, insecure, max_message_bytes, ..Settings::on_port(0) };
     let mut config =
         Config { serving: settings, served_by, max_streams, max_pvt_points, ..Config::default() };
     let mut misfits = config.misfits();

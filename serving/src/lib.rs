@@ -6,6 +6,8 @@
 //! - `settings`: what can be set in each of them, and everything that is wrong with it at once
 //! - `serve`: port, health, reflection, keep-alive; serves on while it drains
 //! - `refusals`: messages too large, and statuses that come without a reason, become refusals with one
+//! - `side_port`: health for probes, figures for Prometheus, and pages for people
+//! - `telemetry`: where the figures are kept
 //! - `leaving`: the order in which a process goes
 //! - `process`: from arguments to an exit code
 
@@ -14,7 +16,11 @@ mod process;
 mod refusals;
 mod serve;
 mod settings;
+mod side_port;
+mod telemetry;
 
+/// What pages on the side port are made of.
+pub use axum;
 pub use leaving::Leaving;
 pub use process::{Exit, healthcheck, process, seconds, told_to_stop};
 pub use serve::{Bound, ServeError, Services};

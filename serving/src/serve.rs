@@ -3,6 +3,7 @@ use std::fmt;
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use axum::Router;
 use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
 use tonic::body::Body;
@@ -17,6 +18,8 @@ use tower::util::{MapRequestLayer, MapResponseLayer};
 use crate::leaving::{FAREWELL, Leaving};
 use crate::refusals::{of_request, of_response};
 use crate::settings::{Misfits, Settings};
+use crate::side_port::{SidePort, router};
+use crate::telemetry;
 
 /// A process that has its port and does not serve yet.
 #[derive(Debug)]
@@ -24,6 +27,7 @@ pub struct Bound {
     settings: Settings,
     listener: TcpListener,
     address: SocketAddr,
+    side_port: Option<SidePort>,
 }
 
 /// What a process serves beside health and reflection.
@@ -31,6 +35,7 @@ pub struct Services {
     schema: &'static [u8],
     routes: RoutesBuilder,
     names: Vec<&'static str>,
+    pages: Router,
 }
 
 /// Why a process cannot serve.
@@ -40,8 +45,10 @@ pub enum ServeError {
     #[error(transparent)]
     Settings(#[from] Misfits),
     /// The port cannot be had.
-    #[error("cannot listen on {address}: {cause}; choose another with --listen")]
+    #[error("cannot listen on {address}: {cause}; choose another with --{setting}")]
     Bind {
+        /// Which of the ports.
+        setting: &'static str,
         /// The address.
         address: SocketAddr,
         /// What the system says.
@@ -59,7 +66,7 @@ impl Services {
     /// None yet, of a schema that is an encoded `google.protobuf.FileDescriptorSet`.
     #[must_use]
     pub fn of_schema(schema: &'static [u8]) -> Self {
-        Self { schema, routes: RoutesBuilder::default(), names: Vec::new() }
+        Self { schema, routes: RoutesBuilder::default(), names: Vec::new(), pages: Router::new() }
     }
 
     /// One more.
@@ -79,6 +86,14 @@ impl Services {
         self
     }
 
+    /// With pages on the side port, beside those that every process has; none is to begin with `/healthz`, `/readyz`,
+    /// `/metrics` or the name of a service.
+    #[must_use]
+    pub fn with_pages(mut self, pages: Router) -> Self {
+        self.pages = self.pages.merge(pages);
+        self
+    }
+
     /// With reflection of exactly what is served, in both versions that tools ask for.
     fn into_routes<H>(self, health: H) -> Result<Routes, tonic_reflection::server::Error>
     where
@@ -90,7 +105,7 @@ impl Services {
             + 'static,
         H::Future: Send + 'static,
     {
-        let Self { schema, mut routes, names } = self;
+        let Self { schema, mut routes, names, pages: _ } = self;
         let reflection = || {
             let builder = tonic_reflection::server::Builder::configure()
                 .register_encoded_file_descriptor_set(schema)
@@ -112,17 +127,31 @@ impl fmt::Debug for Services {
 }
 
 impl Bound {
-    /// Takes the port.
+    /// Takes the ports, and begins to keep figures.
     ///
     /// # Errors
     /// Settings that cannot be, and a port that is taken.
     pub async fn to(settings: Settings) -> Result<Self, ServeError> {
         let settings = settings.misfits().into_result(settings)?;
         let address = settings.listen;
-        let bind_error = |cause| ServeError::Bind { address, cause };
+        let bind_error = |cause| ServeError::Bind { setting: "listen", address, cause };
         let listener = TcpListener::bind(address).await.map_err(bind_error)?;
         let address = listener.local_addr().map_err(bind_error)?;
-        Ok(Self { settings, listener, address })
+        let side_port = match settings.http {
+            None => None,
+            Some(address) => {
+                let taken = SidePort::to(address).await;
+                Some(taken.map_err(|cause| ServeError::Bind { setting: "http", address, cause })?)
+            }
+        };
+        telemetry::keep();
+        Ok(Self { settings, listener, address, side_port })
+    }
+
+    /// Where the side port is, where there is one.
+    #[must_use]
+    pub fn http_address(&self) -> Option<SocketAddr> {
+        self.side_port.as_ref().map(SidePort::address)
     }
 
     /// Where the process listens.
@@ -143,12 +172,20 @@ impl Bound {
         leaving: Leaving,
         stop: impl Future<Output = ()> + Send + 'static,
     ) -> Result<(), ServeError> {
-        let Self { settings, listener, address } = self;
+        let Self { settings, listener, address, side_port } = self;
         let (health, health_service) = tonic_health::server::health_reporter();
         let names = services.names.clone();
         tell(&health, &names, ServingStatus::Serving).await;
+        let health_pages = Routes::new(health_service.clone()).into_axum_router();
+        let pages = router(services.pages.clone(), health_pages, &leaving);
+        let beside = async {
+            match side_port {
+                Some(port) => port.serve(pages).await,
+                None => std::future::pending().await,
+            }
+        };
         let most = settings.max_message_bytes;
-        let router = tonic::transport::Server::builder()
+        let server = tonic::transport::Server::builder()
             .initial_stream_window_size(settings.stream_window_bytes)
             .initial_connection_window_size(settings.connection_window_bytes)
             .http2_keepalive_interval(Some(KEEPALIVE_INTERVAL))
@@ -170,7 +207,7 @@ impl Bound {
             }
         };
         let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
-        let serving = router.serve_with_incoming_shutdown(incoming, leave);
+        let serving = server.serve_with_incoming_shutdown(incoming, leave);
         let farewell = async {
             gone.cancelled().await;
             #[expect(
@@ -182,6 +219,9 @@ impl Bound {
         tokio::select! {
             served = serving => served?,
             () = farewell => {}
+            // To the last moment: a process that drains is asked whether it is ready.
+            () = beside => {}
+            () = telemetry::take_up() => {}
         }
         Ok(())
     }

@@ -7,6 +7,8 @@ use std::time::Duration;
 pub struct Settings {
     /// Where to listen; port 0 takes any free one.
     pub listen: SocketAddr,
+    /// Where the side port listens, for probes, figures and pages; `None`: nowhere.
+    pub http: Option<SocketAddr>,
     /// Serve other machines without encryption?
     pub insecure: bool,
     /// How long work may take to end after the signal to stop.
@@ -25,6 +27,7 @@ impl Settings {
     pub fn on_port(port: u16) -> Self {
         Self {
             listen: SocketAddr::from((Ipv4Addr::LOCALHOST, port)),
+            http: None,
             insecure: false,
             drain_deadline: Duration::from_secs(10),
             max_message_bytes: proto::MAX_MESSAGE_BYTES,
@@ -38,13 +41,16 @@ impl Settings {
     #[must_use]
     pub fn misfits(&self) -> Misfits {
         let mut misfits = Misfits::default();
-        if !self.insecure && !self.listen.ip().is_loopback() {
+        for (setting, address) in [("listen", Some(self.listen)), ("http", self.http)] {
+            let Some(address) = address.filter(|address| !self.insecure && !address.ip().is_loopback())
+            else {
+                continue;
+            };
             misfits.note(
-                "listen",
+                setting,
                 format!(
-                    "is {}, which other machines reach, and there is no encryption: listen on 127.0.0.1, or pass \
-                     --insecure on a network of your own",
-                    self.listen
+                    "is {address}, which other machines reach, and there is no encryption: listen on 127.0.0.1, or pass \
+                     --insecure on a network of your own"
                 ),
             );
         }

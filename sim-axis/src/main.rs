@@ -26,6 +26,9 @@ struct Args {
         value_name = "ADDRESS:PORT"
     )]
     listen: SocketAddr,
+    /// Where to serve HTTP beside gRPC: /healthz, /readyz, /metrics, and pages for people; nowhere by default.
+    #[arg(long, env = "PORTAMENTO_SIM_AXIS_HTTP", value_name = "ADDRESS:PORT")]
+    http: Option<SocketAddr>,
     /// Serve addresses that other machines reach, without encryption.
     #[arg(long, env = "PORTAMENTO_INSECURE")]
     insecure: bool,
@@ -70,8 +73,9 @@ fn main() -> ExitCode {
 
 /// The settings, or everything that is wrong with them.
 fn config(args: Args) -> Result<Config, Exit> {
-    let Args { listen, insecure, model, drain_deadline, max_runs, max_message_bytes, command: _ } = args;
-    let settings = Settings { listen, insecure, max_message_bytes, ..Settings::on_port(0) };
+    let Args { listen, http, insecure, model, drain_deadline, max_runs, max_message_bytes, command: _ } =
+        args;
+    let settings = Settings { listen, http, insecure, max_message_bytes, ..Settings::on_port(0) };
     let mut config = Config { serving: settings, max_runs, ..Config::default() };
     let mut misfits = config.misfits();
     match seconds(drain_deadline) {

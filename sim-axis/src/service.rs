@@ -29,6 +29,12 @@ impl SimAxis {
         self.bound.address()
     }
 
+    /// Where its side port is, where it has one.
+    #[must_use]
+    pub fn http_address(&self) -> Option<SocketAddr> {
+        self.bound.http_address()
+    }
+
     /// Serves until `stop` completes; then takes no new run, lets each end, and leaves at the drain deadline whatever is
     /// still going on.
     ///

@@ -16,6 +16,7 @@ mod plan_then_stream;
 mod pvt;
 mod rehearsed;
 mod rehearsed_paths;
+mod side_port;
 mod standing_services;
 mod synchronised;
 mod tracking;

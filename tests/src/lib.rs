@@ -29,6 +29,7 @@ use tonic::transport::{Channel, Endpoint};
 #[derive(Debug)]
 pub struct Loopback {
     address: SocketAddr,
+    http: Option<SocketAddr>,
     stop: Option<oneshot::Sender<()>>,
     serving: JoinHandle<()>,
 }
@@ -42,7 +43,7 @@ impl Loopback {
     /// A server with these settings.
     pub async fn with(config: Config) -> Self {
         let server = Server::bind(config).await.expect("a free port");
-        let address = server.address();
+        let (address, http) = (server.address(), server.http_address());
         let (stop, stopped) = oneshot::channel();
         let serving = tokio::spawn(async move {
             let stop = async {
@@ -51,13 +52,19 @@ impl Loopback {
             };
             server.run(stop).await.expect("served");
         });
-        Self { address, stop: Some(stop), serving }
+        Self { address, http, stop: Some(stop), serving }
     }
 
     /// Where it is.
     #[must_use]
     pub fn endpoint(&self) -> String {
         format!("http://{}", self.address)
+    }
+
+    /// A page of its side port.
+    #[must_use]
+    pub fn page(&self, path: &str) -> String {
+        format!("http://{}{path}", self.http.expect("a side port"))
     }
 
     /// A typed client.
@@ -97,6 +104,7 @@ impl Loopback {
 #[derive(Debug)]
 pub struct LoopbackAxis {
     address: SocketAddr,
+    http: Option<SocketAddr>,
     stop: Option<oneshot::Sender<()>>,
     serving: JoinHandle<()>,
 }
@@ -110,7 +118,7 @@ impl LoopbackAxis {
     /// A simulator with these settings.
     pub async fn with(config: sim_axis::Config) -> Self {
         let axis = SimAxis::bind(config).await.expect("a free port");
-        let address = axis.address();
+        let (address, http) = (axis.address(), axis.http_address());
         let (stop, stopped) = oneshot::channel();
         let serving = tokio::spawn(async move {
             let stop = async {
@@ -119,13 +127,19 @@ impl LoopbackAxis {
             };
             axis.run(stop).await.expect("served");
         });
-        Self { address, stop: Some(stop), serving }
+        Self { address, http, stop: Some(stop), serving }
     }
 
     /// Where it is.
     #[must_use]
     pub fn endpoint(&self) -> String {
         format!("http://{}", self.address)
+    }
+
+    /// A page of its side port.
+    #[must_use]
+    pub fn page(&self, path: &str) -> String {
+        format!("http://{}{path}", self.http.expect("a side port"))
     }
 
     /// A bare connection, for what no client of ours would say.
