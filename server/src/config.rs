@@ -11,6 +11,8 @@ pub struct Config {
     pub max_streams: usize,
     /// The most points of a `PlanPvt` request, of all its axes together.
     pub max_pvt_points: usize,
+    /// Names under which people reach the console, beside addresses and `localhost`.
+    pub console_hosts: Vec<String>,
     /// The farthest cycle that `SamplePlan` gives: its digest is rolled from cycle 1.
     pub max_sample_cycles: u64,
 }
@@ -23,6 +25,7 @@ impl Default for Config {
             max_streams: 10_000,
             // 10 000 of six axes: their plan fits a message.
             max_pvt_points: 60_000,
+            console_hosts: Vec::new(),
             // Ten hours at 1 ms.
             max_sample_cycles: 36_000_000,
         }

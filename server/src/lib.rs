@@ -7,8 +7,10 @@
 //! - [`session`]: what one stream does, decided without a clock or a task
 //! - `drive`: the loop between the world and a session
 //! - `watch`: who looks on
+//! - `console`: pages for people, on the side port
 
 mod config;
+mod console;
 mod drive;
 mod rpc;
 pub mod session;
@@ -22,6 +24,7 @@ use proto::pb::setpoint_service_server::SetpointServiceServer;
 use serving::{Bound, Leaving, Services};
 
 pub use config::Config;
+use console::Console;
 use rpc::{Planner, Setpoints};
 pub use serving::{Misfits, ServeError, Settings};
 use streams::Streams;
@@ -69,12 +72,16 @@ impl Server {
         let (streams, board) = (Streams::new(config.max_streams), Board::default());
         // The frame refuses larger ones, with a reason; below it nothing else is to.
         let size = config.serving.max_message_bytes;
-        let planner = PlannerServiceServer::new(Planner::new(&config));
-        let setpoints =
-            SetpointServiceServer::new(Setpoints::new(streams, board, served_by, leaving.clone()));
+        let planner = Planner::new(&config);
+        let setpoints = Setpoints::new(streams, board.clone(), served_by, leaving.clone());
+        let console = Console { planner, setpoints: setpoints.clone(), board, leaving: leaving.clone() };
+        let pages = console.pages(&config.console_hosts, size);
+        let (planner, setpoints) =
+            (PlannerServiceServer::new(planner), SetpointServiceServer::new(setpoints));
         let services = Services::of_schema(proto::FILE_DESCRIPTOR_SET)
             .with(planner.max_decoding_message_size(size))
-            .with(setpoints.max_decoding_message_size(size));
+            .with(setpoints.max_decoding_message_size(size))
+            .with_pages(pages);
         bound.serve(services, leaving, stop).await
     }
 }

@@ -26,6 +26,9 @@ struct Args {
     /// Where to serve HTTP beside gRPC: /healthz, /readyz, /metrics, and pages for people; nowhere by default.
     #[arg(long, env = "PORTAMENTO_HTTP", value_name = "ADDRESS:PORT")]
     http: Option<SocketAddr>,
+    /// A name under which people reach the console, beside addresses and localhost; may be given several times.
+    #[arg(long, env = "PORTAMENTO_CONSOLE_HOST", value_delimiter = ',', value_name = "NAME")]
+    console_host: Vec<String>,
     /// Serve addresses that other machines reach, without encryption.
     #[arg(long, env = "PORTAMENTO_INSECURE")]
     insecure: bool,
@@ -73,6 +76,7 @@ fn config(args: Args) -> Result<Config, Exit> {
         listen,
         served_by,
         http,
+        console_host: console_hosts,
         insecure,
         drain_deadline,
         max_streams,
@@ -81,8 +85,14 @@ fn config(args: Args) -> Result<Config, Exit> {
         command: _,
     } = args;
     let settings = Settings { listen, http, insecure, max_message_bytes, ..Settings::on_port(0) };
-    let mut config =
-        Config { serving: settings, served_by, max_streams, max_pvt_points, ..Config::default() };
+    let mut config = Config {
+        serving: settings,
+        served_by,
+        max_streams,
+        max_pvt_points,
+        console_hosts,
+        ..Config::default()
+    };
     let mut misfits = config.misfits();
     match seconds(drain_deadline) {
         Ok(deadline) => config.serving.drain_deadline = deadline,

@@ -23,13 +23,14 @@ export function live() {
     running = true;
     ends = [watch([], { periodMs: 500 }, { message: summaries, lost })];
     say("Looking for streams …");
-    silent = setTimeout(() => cards.size || nothing(), 1200);
+    clearInterval(silent);
+    silent = setInterval(() => (present.size ? take() : state.textContent.startsWith("Looking") ? nothing() : take()), 1200);
     requestAnimationFrame(frame);
   }
   function stop() {
     running = false;
     watched = "";
-    clearTimeout(silent);
+    clearInterval(silent);
     ends.forEach((end) => end());
   }
 
@@ -48,18 +49,18 @@ export function live() {
   const present = new Map();
   function summaries(message, refused) {
     if (refused) return say("The server is leaving", refused.message, "refused");
-    if (message.nothing) {
-      for (const card of cards.values()) card.end();
-      if (![...cards.values()].some((card) => !card.over)) nothing();
-      count.hidden = true;
-      return watchAll([]);
-    }
     const now = performance.now();
     present.set(message.stream, now);
-    for (const [name, seen] of present) if (now - seen > 1800) present.delete(name);
-    count.hidden = false;
-    count.textContent = present.size;
     if (state.textContent) say("");
+    take();
+  }
+  /** Brings the cards in line with the streams that there are. */
+  function take() {
+    const now = performance.now();
+    for (const [name, seen] of present) if (now - seen > 1800) present.delete(name);
+    count.hidden = present.size === 0;
+    count.textContent = present.size;
+    if (!present.size && !state.textContent) nothing();
     for (const name of present.keys()) {
       if (!cards.has(name) || cards.get(name).over) {
         cards.get(name)?.element.remove();
