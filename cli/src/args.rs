@@ -8,6 +8,7 @@ mod init;
 mod limits;
 mod motion;
 mod pvt;
+mod replay;
 mod value;
 mod watch;
 
@@ -25,7 +26,8 @@ pub(crate) use init::{InitArgs, What};
 pub(crate) use limits::{HigherLimitFlags, LimitFlags};
 pub(crate) use motion::{Kind, LOST_DISTANCE, MoveFlags};
 pub(crate) use pvt::PvtArgs;
-use value::{endpoint, figure, nanoseconds};
+pub(crate) use replay::ReplayArgs;
+use value::{endpoint, figure, nanoseconds, recording};
 pub(crate) use watch::WatchArgs;
 
 /// Smooth, jerk-limited motion for machine axes: plans it, proves it, streams it.
@@ -54,11 +56,12 @@ Examples:
   portamento track --plan move.json --endpoint http://127.0.0.1:50052
   portamento command hold --axis http://127.0.0.1:50052
   portamento watch
+  portamento replay run.mcap
   portamento explain PATH_TOO_SHORT
 
 Exit codes:
   0  done
-  1  failed; verify: the plan does not pass; diff: the plans differ
+  1  failed; verify: the plan does not pass; diff, replay: they differ
   2  usage: a flag or an input file cannot be understood
   3  infeasible or refused, with the way out in the message
   4  the endpoint cannot be reached"
@@ -101,6 +104,7 @@ pub(crate) enum Command {
     #[command(name = "command")]
     Operate(CommandArgs),
     Watch(WatchArgs),
+    Replay(ReplayArgs),
     Explain(ExplainArgs),
 }
 
@@ -231,12 +235,15 @@ pub(crate) struct PlanSource {
 #[command(after_help = "\
 Examples:
   portamento demo
-  portamento demo --plot /tmp/demo.svg
+  portamento demo --plot demo.png --record demo.mcap
   portamento demo --virtual-time --json")]
 pub(crate) struct DemoArgs {
     /// Where to draw s, v, a and j, commanded against measured.
     #[arg(long, value_name = "FILE.svg|png", default_value = "portamento-demo.svg", value_parser = figure)]
     pub(crate) plot: PathBuf,
+    /// Write down the run, for `portamento replay`, Foxglove and PlotJuggler; or its cycles, as a table.
+    #[arg(long, value_name = "FILE.mcap|csv", value_parser = recording)]
+    pub(crate) record: Option<PathBuf>,
     /// As fast as it computes, instead of one cycle a millisecond; operations may then come some cycles later.
     #[arg(long)]
     pub(crate) virtual_time: bool,
@@ -277,6 +284,9 @@ pub(crate) struct TrackArgs {
     /// Follow a plan too that promises no limits, as one through points joined by cubics or quintics.
     #[arg(long)]
     pub(crate) accept_unproved: bool,
+    /// Write down the run, for `portamento replay`, Foxglove and PlotJuggler; or its cycles, as a table.
+    #[arg(long, value_name = "FILE.mcap|csv", value_parser = recording)]
+    pub(crate) record: Option<PathBuf>,
     /// Draw s, v, a and j of the axis, commanded against measured; of the first axis, where there are several.
     #[arg(long, value_name = "FILE.svg|png", value_parser = figure)]
     pub(crate) plot: Option<PathBuf>,

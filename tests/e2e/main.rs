@@ -20,3 +20,4 @@ mod side_port;
 mod standing_services;
 mod synchronised;
 mod tracking;
+mod watching;

@@ -36,6 +36,21 @@ pub(super) fn figure(text: &str) -> Result<PathBuf, String> {
     Err(format!("plots are SVG or PNG: name a file such as {} or {}", svg.display(), png.display()))
 }
 
+/// A file for a recording: of a format that is written.
+pub(super) fn recording(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is = |format| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(format));
+    if is("mcap") || is("csv") {
+        return Ok(path);
+    }
+    let [mcap, csv] = ["mcap", "csv"].map(|format| path.with_extension(format));
+    Err(format!(
+        "recordings are MCAP, or cycles as CSV: name a file such as {} or {}",
+        mcap.display(),
+        csv.display()
+    ))
+}
+
 /// A time with its unit, in whole nanoseconds. Whether it is long enough is for the planner to say.
 pub(super) fn nanoseconds(text: &str) -> Result<i128, String> {
     const UNITS: [(&str, f64); 5] = [("ns", 1.0), ("us", 1e3), ("µs", 1e3), ("ms", 1e6), ("s", 1e9)];

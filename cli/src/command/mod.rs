@@ -10,6 +10,7 @@ mod init;
 mod operate;
 mod plan;
 mod pvt;
+mod replay;
 mod sample;
 mod track;
 mod verify;
@@ -48,6 +49,7 @@ pub(crate) fn run() -> u8 {
         Command::Sample(args) => sample::run(args, endpoint, &mut screen),
         Command::Track(args) => track::run(args, endpoint, &mut screen),
         Command::Operate(args) => operate::run(args, &mut screen),
+        Command::Replay(args) => replay::run(args, &mut screen),
         Command::Watch(args) => watch::run(args, endpoint, &mut screen),
         Command::Explain(args) => explain::run(args, &mut screen),
     };

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use planner::Setpoint;
-use proto::stream::{Columns, FromAxis, Motion, StreamEvent, ToAxis, Tracking};
+use proto::stream::{Columns, Counters, FromAxis, Motion, StreamEvent, ToAxis, Tracking};
 use tokio::sync::watch;
 
 use super::Board;
@@ -16,7 +16,12 @@ pub(crate) struct Tap {
     watched: watch::Receiver<bool>,
     /// The last cycle that was shown.
     shown: u64,
+    /// What follows it of the motion before, where the one that is adopted begins later.
+    until_splice: Vec<Row>,
 }
+
+/// The setpoints of all axes in one cycle.
+type Row = Vec<Setpoint>;
 
 /// What a report says before the session has taken it.
 #[derive(Debug)]
@@ -24,19 +29,20 @@ pub(crate) struct Glance {
     executed: u64,
     accepted: u64,
     revision: u64,
-    counters: proto::stream::Counters,
+    counters: Counters,
     tracking: Option<Tracking>,
-    /// The setpoints since the last report by the motion that was adopted until now, if anybody watches.
-    commanded: Option<Columns>,
+    /// What follows the last cycle shown by the motion that was adopted until now, through the last cycle that is held;
+    /// empty where nobody watches.
+    rows: Vec<Row>,
 }
 
-/// The most cycles that a report executes: what a session sends ahead. More are refused, and not shown.
+/// The most cycles that a report shows: what a session sends ahead. More are refused.
 const MOST_CYCLES: u64 = proto::stream::FARTHEST_AHEAD;
 
 impl Tap {
     pub(super) fn new(board: Board, hub: Arc<Hub>, shown: u64) -> Self {
         let watched = hub.watched();
-        Self { board, hub, watched, shown }
+        Self { board, hub, watched, shown, until_splice: Vec::new() }
     }
 
     /// Completes when somebody comes to watch, or nobody does any more.
@@ -51,33 +57,41 @@ impl Tap {
         let Event::FromAxis(FromAxis::Report(report)) = event else { return None };
         let tracking = report.tracking.take();
         let watched = *self.watched.borrow();
+        let mut rows = Vec::new();
+        if watched {
+            rows.clone_from(&self.until_splice);
+            let last = report.accepted_cycle.min(self.shown.saturating_add(2 * MOST_CYCLES));
+            rows.extend(setpoints(session.motion(), self.shown + 1 + rows.len() as u64, last));
+        }
         Some(Glance {
             executed: report.executed_cycle,
             accepted: report.accepted_cycle,
             revision: session.motion().revision(),
             counters: report.counters,
             tracking: tracking.filter(|_| watched),
-            commanded: watched.then(|| self.between(session.motion(), report.executed_cycle)),
+            rows,
         })
     }
 
     /// Shows what has come, now that `session` has taken it.
     pub(crate) fn after(&mut self, session: &Session, glance: Option<Glance>) {
-        let Some(Glance { executed, accepted, revision, counters, tracking, commanded }) = glance else {
+        let Some(Glance { executed, accepted, revision, counters, tracking, mut rows }) = glance else {
             return;
         };
         let motion = session.motion();
-        let (first_cycle, axes) = (self.shown + 1, motion.plan().axes().len());
-        let commanded = commanded.unwrap_or_default();
-        let from = motion.under_way.from_cycle();
-        let commanded = if motion.revision() != revision && from <= executed {
-            // The splice has begun among these cycles.
-            let kept = usize::try_from(from.saturating_sub(first_cycle)).unwrap_or(usize::MAX);
-            spliced(&commanded, kept, &self.between(motion, executed), axes)
+        let first_cycle = self.shown + 1;
+        let now = usize::try_from(executed.saturating_sub(self.shown)).unwrap_or(usize::MAX);
+        if !rows.is_empty() && motion.revision() != revision {
+            // What is adopted begins among these cycles, or after them: until then it goes on as it did.
+            let from = motion.under_way.from_cycle();
+            rows.truncate(usize::try_from(from.saturating_sub(first_cycle)).unwrap_or(usize::MAX));
+            self.until_splice = rows.get(now..).unwrap_or_default().to_vec();
+            rows.extend(setpoints(motion, first_cycle + rows.len() as u64, executed));
         } else {
-            commanded
-        };
-        self.shown = executed;
+            self.until_splice.drain(..now.min(self.until_splice.len()));
+        }
+        rows.truncate(now);
+        self.shown = self.shown.max(executed);
         let summary = Summary {
             executed_cycle: executed,
             lead_cycles: accepted.saturating_sub(executed),
@@ -85,6 +99,7 @@ impl Tap {
             override_factor: motion.under_way.factor().get(),
             counters,
         };
+        let commanded = by_axis(&rows, motion.plan().axes().len());
         self.hub.tell(&Seen::Report(Arc::new(Reported { summary, first_cycle, commanded, tracking })));
     }
 
@@ -101,23 +116,15 @@ impl Tap {
             | ToAxis::Refusal(_) => {}
         }
     }
+}
 
-    /// The setpoints of `motion` from the last one shown through cycle `executed`.
-    fn between(&self, motion: &Motion, executed: u64) -> Columns {
-        let last = executed.min(self.shown.saturating_add(MOST_CYCLES));
-        if last <= self.shown {
-            return Columns::default();
-        }
-        let cycles = motion.plan_cycle(self.shown + 1)..motion.plan_cycle(last) + 1;
-        let whole = cycles.end - cycles.start == last - self.shown;
-        if whole {
-            return Columns::of_plan(motion.plan(), cycles);
-        }
-        // Those before the motion stand where it begins; they are not kept.
-        let at = |cycle| motion.under_way.setpoints(cycle).collect::<Vec<Setpoint>>();
-        let rows: Vec<_> = (self.shown + 1..=last).map(at).collect();
-        by_axis(&rows, motion.plan().axes().len())
+/// The setpoints of `motion` from cycle `first` through `last`, cycle by cycle.
+fn setpoints(motion: &Motion, first: u64, last: u64) -> Vec<Row> {
+    if last < first {
+        return Vec::new();
     }
+    let columns = Columns::of_plan(motion.plan(), motion.plan_cycle(first)..motion.plan_cycle(last) + 1);
+    (0..columns.cycles()).map(|index| columns.cycle(index).collect()).collect()
 }
 
 impl Drop for Tap {
@@ -126,20 +133,7 @@ impl Drop for Tap {
     }
 }
 
-/// The first `kept` cycles of `before`, and the rest of `after`.
-fn spliced(before: &Columns, kept: usize, after: &Columns, axes: usize) -> Columns {
-    let cycles = after.cycles();
-    let mut columns = Columns::with_capacity(cycles, axes);
-    for axis in 0..axes {
-        for cycle in 0..cycles {
-            let of = if cycle < kept.min(before.cycles()) { before } else { after };
-            columns.push(of.at(axis, cycle).unwrap_or_default());
-        }
-    }
-    columns
-}
-
-fn by_axis(rows: &[Vec<Setpoint>], axes: usize) -> Columns {
+fn by_axis(rows: &[Row], axes: usize) -> Columns {
     let mut columns = Columns::with_capacity(rows.len(), axes);
     for axis in 0..axes {
         for row in rows {

@@ -33,7 +33,7 @@ function ticks(from, to, count) {
   return { values, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) };
 }
 
-const label = (value, digits) => (Math.abs(value) >= 1e6 || digits > 6 ? value.toExponential(1) : value.toFixed(digits)).replace("-", "−");
+const label = (value, digits) => (Math.abs(value) < 1e-12 ? "0" : Math.abs(value) >= 1e6 || digits > 6 ? value.toExponential(1) : value.toFixed(digits)).replace("-", "−");
 
 /**
  * Draws `figure`:
@@ -58,7 +58,7 @@ export function draw(pen, figure, width, height) {
   figure.panels.forEach((panel, index) => {
     const y0 = top + index * (tall + gap) + (figure.bare ? 0 : gap), y1 = y0 + tall;
     let [low, high] = panel.zero ? [0, 0] : [Infinity, -Infinity];
-    for (const { points } of panel.series) for (const [, value] of points) {
+    for (const { points } of [...panel.series, ...(panel.marks ?? [])]) for (const [, value] of points) {
       if (value < low) low = value;
       if (value > high) high = value;
     }
@@ -74,7 +74,7 @@ export function draw(pen, figure, width, height) {
       if (number % 2 === 0) pen.fill(x(start), y0, x(end) - x(start), y1 - y0, color("page"));
       if (index === 0 && x(end) - x(start) > 10) pen.text(String(number + 1), (x(start) + x(end)) / 2, y0 - gap - 4, quiet, 10, "center");
     });
-    const scale = ticks(low, high, Math.max(2, Math.floor(tall / 34)));
+    const scale = ticks(low, high, Math.max(2, Math.floor(tall / 26)));
     for (const value of scale.values) {
       pen.line([[left, y(value)], [right, y(value)]], edge, 1);
       pen.text(label(value, scale.digits), left - 6, y(value), quiet, 10.5, "right");

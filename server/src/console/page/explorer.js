@@ -72,7 +72,7 @@ export function explorer() {
     const familyOf = (plan) => FAMILIES.find(([value]) => value === (plan.method.family.endsWith("POLYNOMIAL") ? `POLYNOMIAL:${plan.method.order}` : plan.method.family.replace("PROFILE_FAMILY_", "")))?.[1] ?? "";
     summary.replaceChildren(
       fact(`${plain(plan.duration)} s`, familyOf(plan), "", ink(0)),
-      ...(second ? [fact(`${plain(second.duration)} s`, `${familyOf(second)}, ${plain((second.duration / plan.duration - 1) * 100, 3)} %`, "", ink(1))] : []),
+      ...(second ? [fact(`${plain(second.duration)} s`, `${familyOf(second)}, ${second.duration < plan.duration ? "" : "+"}${plain((second.duration / plan.duration - 1) * 100, 3)} %`, "", ink(1))] : []),
       fact(plan.cycleCount, "cycles"),
       fact(`${plain(named.feedRate)} ${unit("u/s", kind)}`, "greatest speed"),
       ...(names.length ? [fact(names.join(", "), "classification")] : []),
