@@ -51,6 +51,16 @@ impl Record {
                 &samples.load_position,
             ),
             Update::Event(event) => recorder.event(*event),
+            Update::FailedOver(change) => recorder.fail_over(
+                change.executed_cycle,
+                &pb::FailOver {
+                    cause: change.cause.name().into(),
+                    from: change.from.clone(),
+                    to: change.to.clone(),
+                    executed_cycle: change.executed_cycle,
+                    took: change.took.as_secs_f64(),
+                },
+            ),
         })
     }
 

@@ -119,6 +119,14 @@ impl Recorder {
         self.only_mcap(|file| file.write("/events", event.at_cycle, &pb::StreamEvent::from(event)))
     }
 
+    /// Another replica has taken over.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn fail_over(&mut self, executed_cycle: u64, change: &pb::FailOver) -> io::Result<()> {
+        self.only_mcap(|file| file.write("/failovers", executed_cycle, change))
+    }
+
     /// An operation, and what became of it.
     ///
     /// # Errors
