@@ -56,7 +56,8 @@ export function explorer() {
         if (named) object(named, description);
         return !named;
       });
-      refuse(state, { ...error, message: error.message, fields: elsewhere });
+      refuse(state, { ...error, message: error.message, fields: elsewhere, marked: elsewhere.length < (error.fields ?? []).length });
+      boxes();
     }
   }
 
@@ -93,8 +94,10 @@ export function explorer() {
     chart.show({ from: 0, to: duration || 1, panels, bands: phases(axis).slice(0, 60) });
     details.replaceChildren(...tables(plan));
     shown = { name: "move", answer };
+    boxes();
   }
 
+  const boxes = () => (document.querySelector("#move-downloads").hidden = !shown);
   let timer = 0;
   const soon = () => {
     clearTimeout(timer);

@@ -1,6 +1,6 @@
 // Fields with units, and what is said of them.
 
-import { number, unit } from "./units.js";
+import { number, tidy, unit } from "./units.js";
 
 /** Puts its unit beside each field, in that of the kind chosen. */
 export function dress(form) {
@@ -50,7 +50,7 @@ export function object(field, why) {
     said.className = "why";
     holder.append(said);
   }
-  said.textContent = why;
+  said.textContent = tidy(why);
 }
 
 /** Says what the server refuses, and what to do. */
@@ -59,7 +59,8 @@ export function refuse(state, error) {
   state.className = "state refused";
   title.textContent = error.reason ? error.reason : "No answer";
   const fields = (error.fields ?? []).map(({ field, description }) => `${field}: ${description}`);
-  text.textContent = fields.length ? fields.join("; ") : error.reason ? error.message : `${error.message}. Is the server still running? What is typed stays here.`;
+  const words = error.marked ? "What is wrong, and what would do, stands beside the field." : error.reason ? error.message : `${error.message}. Is the server still running? What is typed stays here.`;
+  text.textContent = tidy(fields.length ? fields.join("; ") : words);
   state.replaceChildren(title, text);
 }
 

@@ -80,12 +80,14 @@ export function points() {
         if (column) read()[index]?.[["times", "positions", "velocities"].indexOf(column)].setAttribute("aria-invalid", "true");
         return !limit;
       });
-      refuse(state, { ...error, message: error.message, fields: elsewhere });
+      refuse(state, { ...error, message: error.message, fields: elsewhere, marked: elsewhere.length < (error.fields ?? []).length });
+      boxes();
     }
   }
 
   function empty() {
     shown = null;
+    boxes();
     chart.age();
     summary.replaceChildren();
     details.replaceChildren();
@@ -133,8 +135,10 @@ export function points() {
     chart.show({ from: 0, to: plan.duration || 1, panels, spans });
     details.replaceChildren(...tables(plan));
     shown = { name: "points", answer };
+    boxes();
   }
 
+  const boxes = () => (document.querySelector("#pvt-downloads").hidden = !shown);
   const soon = () => {
     clearTimeout(timer);
     timer = setTimeout(plan, 60);

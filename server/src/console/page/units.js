@@ -20,6 +20,11 @@ export function plain(value, digits = 5) {
   return (exponent ? `${short}e${Number(exponent)}` : short).replace("-", "−");
 }
 
+/** A text of the server with numbers as people read them: it writes every digit. */
+export function tidy(text) {
+  return text.replace(/-?\d+\.\d{7,}(e-?\d+)?/g, (digits) => plain(Number(digits), 6));
+}
+
 /** The number in a field: undefined where it is empty, NaN where it is none. A comma is a decimal point. */
 export function number(text) {
   const cleaned = text.trim().replace("−", "-").replace(",", ".");

@@ -294,10 +294,12 @@ class SetpointBatch(_message.Message):
     def __init__(self, first_cycle: _Optional[int] = ..., revision: _Optional[int] = ..., replaces: _Optional[bool] = ..., last: _Optional[bool] = ..., columns: _Optional[_Union[_plan_pb2.SetpointColumns, _Mapping]] = ..., stop_tails: _Optional[_Iterable[_Union[StopTail, _Mapping]]] = ..., digest: _Optional[int] = ...) -> None: ...
 
 class StopTail(_message.Message):
-    __slots__ = ("segments",)
+    __slots__ = ("segments", "rest_position")
     SEGMENTS_FIELD_NUMBER: _ClassVar[int]
+    REST_POSITION_FIELD_NUMBER: _ClassVar[int]
     segments: _containers.RepeatedCompositeFieldContainer[_plan_pb2.AxisSegment]
-    def __init__(self, segments: _Optional[_Iterable[_Union[_plan_pb2.AxisSegment, _Mapping]]] = ...) -> None: ...
+    rest_position: float
+    def __init__(self, segments: _Optional[_Iterable[_Union[_plan_pb2.AxisSegment, _Mapping]]] = ..., rest_position: _Optional[float] = ...) -> None: ...
 
 class OperationResult(_message.Message):
     __slots__ = ("request_id", "effective_cycle", "rest_cycle", "revision", "on_path")

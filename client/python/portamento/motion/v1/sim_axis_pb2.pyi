@@ -109,7 +109,7 @@ class Encoder(_message.Message):
     def __init__(self, resolution: _Optional[float] = ...) -> None: ...
 
 class RunTrackingRequest(_message.Message):
-    __slots__ = ("stream", "endpoints", "plan", "models", "lead_cycles", "virtual_time", "settle_window", "settle_tolerance", "stay_open", "accept_unproved")
+    __slots__ = ("stream", "endpoints", "plan", "models", "lead_cycles", "virtual_time", "settle_window", "settle_tolerance", "stay_open", "accept_unproved", "patience")
     STREAM_FIELD_NUMBER: _ClassVar[int]
     ENDPOINTS_FIELD_NUMBER: _ClassVar[int]
     PLAN_FIELD_NUMBER: _ClassVar[int]
@@ -120,6 +120,7 @@ class RunTrackingRequest(_message.Message):
     SETTLE_TOLERANCE_FIELD_NUMBER: _ClassVar[int]
     STAY_OPEN_FIELD_NUMBER: _ClassVar[int]
     ACCEPT_UNPROVED_FIELD_NUMBER: _ClassVar[int]
+    PATIENCE_FIELD_NUMBER: _ClassVar[int]
     stream: str
     endpoints: _containers.RepeatedScalarFieldContainer[str]
     plan: _plan_pb2.Plan
@@ -130,17 +131,33 @@ class RunTrackingRequest(_message.Message):
     settle_tolerance: float
     stay_open: bool
     accept_unproved: bool
-    def __init__(self, stream: _Optional[str] = ..., endpoints: _Optional[_Iterable[str]] = ..., plan: _Optional[_Union[_plan_pb2.Plan, _Mapping]] = ..., models: _Optional[_Iterable[_Union[AxisModel, _Mapping]]] = ..., lead_cycles: _Optional[int] = ..., virtual_time: _Optional[bool] = ..., settle_window: _Optional[_Union[datetime.timedelta, _duration_pb2.Duration, _Mapping]] = ..., settle_tolerance: _Optional[float] = ..., stay_open: _Optional[bool] = ..., accept_unproved: _Optional[bool] = ...) -> None: ...
+    patience: _duration_pb2.Duration
+    def __init__(self, stream: _Optional[str] = ..., endpoints: _Optional[_Iterable[str]] = ..., plan: _Optional[_Union[_plan_pb2.Plan, _Mapping]] = ..., models: _Optional[_Iterable[_Union[AxisModel, _Mapping]]] = ..., lead_cycles: _Optional[int] = ..., virtual_time: _Optional[bool] = ..., settle_window: _Optional[_Union[datetime.timedelta, _duration_pb2.Duration, _Mapping]] = ..., settle_tolerance: _Optional[float] = ..., stay_open: _Optional[bool] = ..., accept_unproved: _Optional[bool] = ..., patience: _Optional[_Union[datetime.timedelta, _duration_pb2.Duration, _Mapping]] = ...) -> None: ...
 
 class RunTrackingResponse(_message.Message):
-    __slots__ = ("samples", "event", "report")
+    __slots__ = ("samples", "event", "report", "fail_over")
     SAMPLES_FIELD_NUMBER: _ClassVar[int]
     EVENT_FIELD_NUMBER: _ClassVar[int]
     REPORT_FIELD_NUMBER: _ClassVar[int]
+    FAIL_OVER_FIELD_NUMBER: _ClassVar[int]
     samples: TrackingSamples
     event: _setpoint_pb2.StreamEvent
     report: TrackingReport
-    def __init__(self, samples: _Optional[_Union[TrackingSamples, _Mapping]] = ..., event: _Optional[_Union[_setpoint_pb2.StreamEvent, _Mapping]] = ..., report: _Optional[_Union[TrackingReport, _Mapping]] = ...) -> None: ...
+    fail_over: FailOver
+    def __init__(self, samples: _Optional[_Union[TrackingSamples, _Mapping]] = ..., event: _Optional[_Union[_setpoint_pb2.StreamEvent, _Mapping]] = ..., report: _Optional[_Union[TrackingReport, _Mapping]] = ..., fail_over: _Optional[_Union[FailOver, _Mapping]] = ...) -> None: ...
+
+class FailOver(_message.Message):
+    __slots__ = ("cause", "to", "executed_cycle", "took")
+    CAUSE_FIELD_NUMBER: _ClassVar[int]
+    FROM_FIELD_NUMBER: _ClassVar[int]
+    TO_FIELD_NUMBER: _ClassVar[int]
+    EXECUTED_CYCLE_FIELD_NUMBER: _ClassVar[int]
+    TOOK_FIELD_NUMBER: _ClassVar[int]
+    cause: str
+    to: str
+    executed_cycle: int
+    took: float
+    def __init__(self, cause: _Optional[str] = ..., to: _Optional[str] = ..., executed_cycle: _Optional[int] = ..., took: _Optional[float] = ..., **kwargs) -> None: ...
 
 class TrackingSamples(_message.Message):
     __slots__ = ("first_cycle", "commanded", "tracking", "load_position")
