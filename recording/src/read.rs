@@ -38,7 +38,7 @@ pub enum UnreadableRecording {
     },
     /// It is not MCAP, or broke off.
     #[error(
-        "{path} is not a whole MCAP file: {cause}: name one that --record has written to its end", path = .path.display()
+        "{path} is not a whole MCAP file: {cause}: name one that --record has written to its end, and nobody has compressed since", path = .path.display()
     )]
     NotMcap {
         /// Which.

@@ -68,7 +68,7 @@ def track(server, axis, tmp_path):
         portamento("plan", "--distance", distance, "--max-velocity", 0.25, "--max-acceleration", 3, "--max-jerk", 100,
                    "--output", plan)
         running.append(subprocess.Popen(
-            [BINARIES / "portamento", "track", "--plan", plan, "--stream", stream, "--endpoint",
+            [BINARIES / "portamento", "track", "--plan", plan, "--stream", stream, "--lead", "250", "--endpoint",
              f"http://{axis.addresses['serving']}", "--planner", f"http://{server.addresses['serving']}"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
 

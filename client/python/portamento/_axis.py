@@ -95,7 +95,10 @@ class SimAxis(Operations):
             stream=stream, endpoints=planners, plan=plan.message, models=models, virtual_time=virtual_time,
             stay_open=stay_open, settle_window=_duration(settle_window), lead_cycles=lead_cycles,
             accept_unproved=accept_unproved)
-        return Run(self._axis.RunTracking(request))
+        call = self._axis.RunTracking(request)
+        # Comes once the stream is open, so that operations find it; a refusal is raised where the run is read.
+        call.initial_metadata()
+        return Run(call)
 
     def _operate(self, stream: str, operation: setpoint_pb2.Operation) -> setpoint_pb2.OperationResult:
         request = sim_axis_pb2.CommandRequest(stream=stream, operation=operation)

@@ -53,7 +53,7 @@ def test_several_axes_go_together(server, limits):
 def test_points_say_what_became_of_them(server):
     asked = Points("x", [(0.2, 0.015, 0.15), (0.4, 0.3, 0.0)], Limits(0.5, 4, 160))
     plan = server.pvt(asked)
-    assert [report.region for report in plan.points] == ["R2", "R1"]
+    assert [report.region for report in plan.points] == ["R2", "R4"]
     assert [len(report.adjustments) for report in plan.points] == [0, 1]
     with pytest.raises(portamento.Refused) as refused:
         server.pvt(asked, policy="REJECT")

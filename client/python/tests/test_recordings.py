@@ -55,10 +55,11 @@ def test_one_bit_that_differs_is_found(demo, tmp_path):
     """Written again by the independent library, with one number the next double above."""
     import math
 
+    from mcap.writer import CompressionType
     from mcap_protobuf.writer import Writer
 
     changed = tmp_path / "changed.mcap"
-    with open(changed, "wb") as file, Writer(file) as writer:
+    with open(changed, "wb") as file, Writer(file, compression=CompressionType.NONE) as writer:
         for topic, _, log_time, decoded in messages(demo):
             if topic == "/axes/x" and decoded.cycle == 123:
                 decoded.velocity = math.nextafter(decoded.velocity, math.inf)
