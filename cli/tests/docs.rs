@@ -195,7 +195,10 @@ fn alone(script: &str, place: &Path, path: &str) -> std::process::Output {
 #[test]
 fn links_lead_somewhere() {
     let mut all = pages();
-    all.extend(["README.md", "docs/reference/command-line.md", "docs/reference/api.md"].map(|name| root().join(name)));
+    all.extend(
+        ["README.md", "docs/reference/command-line.md", "docs/reference/api.md"]
+            .map(|name| root().join(name)),
+    );
     for page in all {
         let text = std::fs::read_to_string(&page).unwrap();
         for (at, _) in text.match_indices("](") {
@@ -222,7 +225,8 @@ fn the_command_line_is_described_as_it_describes_itself() {
                     keeps it equal.\n"
         .to_owned();
     let help = portamento(&["--help"], "").with(0).out;
-    let commands = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let commands =
+        help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let names: Vec<&str> = commands
         .filter(|line| line.starts_with("  ") && !line.starts_with("   "))
         .map(|line| line.split_whitespace().next().unwrap())

@@ -13,42 +13,59 @@ use super::rows::Rows;
 /// Where messages go.
 type Outgoing = mpsc::Sender<Result<Watched, Rejected>>;
 
-/// Shows one stream until it ends, or nobody looks.
+/// Shows one stream until it ends, or nobody looks. Where the axis opens it again here, under a newer epoch, it goes on.
 pub(crate) async fn watch_stream(board: Board, watch: Watch, outgoing: Outgoing, leaving: Leaving) {
-    let found = board.find(watch.stream.as_deref().unwrap_or_default());
-    let hub = match found {
-        Ok(hub) => hub,
-        Err(rejected) => {
-            let _ = outgoing.send(Err(rejected)).await;
+    let name = watch.stream.clone().unwrap_or_default();
+    let mut ticks = ticks(&watch);
+    let mut dropped = 0;
+    let mut found = board.find(&name);
+    loop {
+        let mut watching = match found {
+            Ok(hub) => hub.watch(),
+            Err(rejected) => {
+                let _ = outgoing.send(Err(rejected)).await;
+                return;
+            }
+        };
+        let mut view = View { dropped, ..View::new(&watching, &watch) };
+        if !show(&mut watching, &mut view, &mut ticks, &outgoing, &leaving).await {
             return;
         }
-    };
-    drop(board);
-    let mut watching = hub.watch();
-    let mut view = View::new(&watching, &watch);
-    let mut ticks = ticks(&watch);
+        dropped = view.dropped + watching.lost.load(Ordering::Relaxed);
+        found = board.find(&name);
+        // The last message waits for its reader, who may be slow and is to know the end.
+        if outgoing.send(Ok(view.message(&watching, true))).await.is_err() || found.is_err() {
+            return;
+        }
+    }
+}
+
+/// Shows a stream until it ends; `false` where nobody looks any more, or the server leaves.
+async fn show(
+    watching: &mut Watching,
+    view: &mut View,
+    ticks: &mut Interval,
+    outgoing: &Outgoing,
+    leaving: &Leaving,
+) -> bool {
     loop {
         tokio::select! {
             seen = watching.seen.recv() => match seen {
                 Some(seen) => view.take(seen),
-                None => {
-                    // The last message waits for its reader, who may be slow and is to know the end.
-                    let _ = outgoing.send(Ok(view.message(&watching, true))).await;
-                    return;
-                }
+                None => return true,
             },
             _ = ticks.tick(), if view.has_news => {
-                let message = view.message(&watching, false);
+                let message = view.message(watching, false);
                 match outgoing.try_send(Ok(message)) {
                     Ok(()) => {}
                     Err(mpsc::error::TrySendError::Full(_)) => view.dropped += 1,
-                    Err(mpsc::error::TrySendError::Closed(_)) => return,
+                    Err(mpsc::error::TrySendError::Closed(_)) => return false,
                 }
             }
-            () = outgoing.closed() => return,
+            () = outgoing.closed() => return false,
             () = leaving.due() => {
                 let _ = outgoing.try_send(Err(draining()));
-                return;
+                return false;
             }
         }
     }

@@ -33,7 +33,7 @@ function ticks(from, to, count) {
   return { values, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) };
 }
 
-const label = (value, digits) => (Math.abs(value) < 1e-12 ? "0" : Math.abs(value) >= 1e6 || digits > 6 ? value.toExponential(1) : value.toFixed(digits)).replace("-", "−");
+const label = (value, digits) => (Math.abs(value) < 1e-12 ? "0" : Math.abs(value) >= 1e6 || digits > 6 ? value.toExponential(2) : value.toFixed(digits)).replace("-", "−");
 
 /**
  * Draws `figure`:
@@ -63,10 +63,11 @@ export function draw(pen, figure, width, height) {
       if (value > high) high = value;
     }
     if (!(high >= low)) [low, high] = [0, 0];
-    const reach = Math.max(high - low, Math.abs(high) * 1e-9, panel.least ?? 0) || 1;
+    // What stands still is a level line, with a number beside it that can be read.
+    const reach = Math.max(high - low, Math.abs(high) * 1e-3, panel.least ?? 0) || 1;
     // A limit that is near is seen whole, one far away does not flatten the curve.
     for (const limit of panel.limits ?? []) if (limit > high && limit < high + reach) high = limit; else if (limit < low && limit > low - reach) low = limit;
-    const room = Math.max((high - low) * 0.06, reach * 0.03);
+    const room = Math.max((high - low) * 0.06, (reach - (high - low)) / 2, reach * 0.03);
     [low, high] = [low - room, high + room];
     const y = (value) => y1 - ((value - low) / (high - low)) * (y1 - y0);
     places.push({ y0, y1, y, panel });

@@ -70,6 +70,11 @@ export function live() {
       }
     }
     for (const [name, card] of cards) if (!present.has(name)) card.end();
+    // One that came again before it was missed: what was shown of it has ended.
+    if ([...cards.values()].some((card) => !card.over && now - card.heard > 2500)) {
+      watched = "";
+      for (const card of cards.values()) card.heard = now;
+    }
     watchAll([...present.keys()].sort());
   }
   /** One connection carries all streams: a browser has six for a server. */
@@ -93,7 +98,7 @@ export function live() {
 /** One stream. */
 class Card {
   constructor(name) {
-    Object.assign(this, { name, over: false, axes: [], kinds: [], times: [], rows: [], phase: "", cycle: 0.001, asked: 0 });
+    Object.assign(this, { name, over: false, axes: [], kinds: [], times: [], rows: [], phase: "", cycle: 0.001, asked: 0, heard: performance.now() });
     const element = (this.element = document.createElement("article"));
     element.className = "stream";
     element.tabIndex = 0;
@@ -171,7 +176,7 @@ class Card {
     this.axes = message.axes;
     this.kinds = message.kinds;
     if (message.cycleTime) this.cycle = parseFloat(message.cycleTime);
-    const now = performance.now();
+    const now = (this.heard = performance.now());
     const name = word(message.phase);
     if (name !== this.phase) {
       const badge = this.element.querySelector(".phase");
