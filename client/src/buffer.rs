@@ -124,6 +124,12 @@ impl Buffer {
         self.adopted.motion_end
     }
 
+    /// The last cycle that the motion was to have: also where a way to rest is played instead.
+    #[must_use]
+    pub fn was_to_end(&self) -> u64 {
+        self.starved.as_ref().map_or(self.adopted.motion_end, Starved::was_to_end)
+    }
+
     /// Is the motion at rest, with nothing of it to come but what an operation asks for?
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
@@ -177,7 +183,8 @@ impl Buffer {
         }
         let tails = std::mem::take(&mut self.tails);
         let from = self.executed;
-        let starved = Starved::new(tails, self.cycle, from, self.digest(), self.adopted.number);
+        let (held, left) = ((from, self.digest()), (self.adopted.number, self.adopted.motion_end));
+        let starved = Starved::new(tails, self.cycle, held, left);
         self.accepted = starved.last_cycle();
         self.adopted.number += 1;
         self.adopted.motion_end = self.accepted;

@@ -20,22 +20,23 @@ pub(crate) struct Starved {
     cycles: u64,
     digest_before: Digest,
     revision: u64,
+    /// Where the motion that is left was to end.
+    was_to_end: u64,
     /// Of its last cycle, once a server goes on from there.
     end: Option<Digest>,
 }
 
 impl Starved {
-    /// `digest_before` is that of cycle `from`, and `revision` that of the motion that is left.
+    /// After cycle `from`, whose digest is `digest_before`, of a motion of revision `revision` that was to end at `was_to_end`.
     pub(crate) fn new(
         tails: Tails,
         cycle: CycleTime,
-        from: u64,
-        digest_before: Digest,
-        revision: u64,
+        (from, digest_before): (u64, Digest),
+        (revision, was_to_end): (u64, u64),
     ) -> Self {
         // A way that the judge has accepted can be counted.
         let cycles = cycle.count(tails.duration()).unwrap_or(0);
-        Self { tails, cycle, from, cycles, digest_before, revision, end: None }
+        Self { tails, cycle, from, cycles, digest_before, revision, was_to_end, end: None }
     }
 
     /// What is not needed any more.
@@ -61,6 +62,11 @@ impl Starved {
     /// Of the motion that was left.
     pub(crate) fn revision(&self) -> u64 {
         self.revision
+    }
+
+    /// The last cycle of the motion that was left.
+    pub(crate) fn was_to_end(&self) -> u64 {
+        self.was_to_end
     }
 
     /// Does no server know of it?

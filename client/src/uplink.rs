@@ -1,4 +1,4 @@
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::time::Duration;
 
 use planner::CycleTime;
@@ -35,6 +35,8 @@ pub struct Uplink {
     lines: HashMap<u64, Line>,
     opening: JoinSet<(u64, Result<(Link, ToAxis), Error>)>,
     serving: Option<(u64, Link)>,
+    /// What is to be handed out, in order.
+    ready: VecDeque<Next>,
     /// Of every report the newest, where the server does not take them up.
     unsent: Option<Report>,
 }
@@ -70,6 +72,7 @@ impl Uplink {
             lines: HashMap::new(),
             opening: JoinSet::new(),
             serving: None,
+            ready: VecDeque::new(),
             unsent: None,
         }
     }
@@ -89,22 +92,26 @@ impl Uplink {
     /// The axis says how far it is; `heeded` counts the times that it took up [`Feed::Resuming`].
     pub fn report(&mut self, report: Report, heeded: u64) {
         self.core.reported(self.begun.elapsed(), report, heeded);
+        self.act();
     }
 
     /// Asks for an operation. What becomes of it is told, also where another server goes on in the meantime.
     pub fn operate(&mut self, operation: Operation) {
         self.core.operate(operation);
+        self.act();
     }
 
     /// The axis has no more use for the stream.
     pub fn close(&mut self) {
         self.core.close();
+        self.act();
     }
 
     /// What comes next; forever nothing after [`News::Over`]. Nothing is lost where it is not waited for to the end.
     pub async fn next(&mut self) -> Next {
         loop {
-            if let Some(next) = self.act() {
+            self.act();
+            if let Some(next) = self.ready.pop_front() {
                 return next;
             }
             let happened = self.happens().await;
@@ -151,16 +158,16 @@ impl Uplink {
         self.core.ended(now, epoch, how);
     }
 
-    /// Does what is to be done, up to the first that is not done here.
-    fn act(&mut self) -> Option<Next> {
+    /// Does what is to be done here, and keeps the rest to be handed out.
+    fn act(&mut self) {
         while let Some(action) = self.core.poll() {
             match action {
-                Action::Feed(feed) => return Some(Next::Feed(feed)),
+                Action::Feed(feed) => self.ready.push_back(Next::Feed(feed)),
                 Action::Tell(news) => {
                     if matches!(news, News::Opened(_) | News::FailedOver(_)) {
                         self.warm_up();
                     }
-                    return Some(Next::News(news));
+                    self.ready.push_back(Next::News(news));
                 }
                 Action::Send(epoch, message) => self.send(epoch, message),
                 Action::Drop(epoch) => {
@@ -175,7 +182,6 @@ impl Uplink {
         if let (Some(report), Some(epoch)) = (self.unsent.take(), self.core.serving_epoch()) {
             self.send(epoch, FromAxis::Report(report));
         }
-        None
     }
 
     /// A newer report says all that an older one did, but for what was refused; and a server that takes up none hears the newest.

@@ -458,7 +458,7 @@ async fn carry(
     let failovers = failovers.load(Ordering::Relaxed);
     let report = tokio::task::spawn_blocking(move || {
         let (executed, arrived) = (player.buffer().executed(), player.has_arrived());
-        let motion_end = player.buffer().motion_end();
+        let motion_end = player.buffer().was_to_end();
         let stream = StreamReport {
             cycles_executed: executed,
             counters: player.buffer().counters(),

@@ -166,8 +166,10 @@ pub struct Failover {
     /// The server said that the stream has ended.
     finished: bool,
     over: bool,
-    /// When the axis was last seen to hold more than before.
+    /// When setpoints last came, or the server was opened.
     fed_at: Duration,
+    /// The last cycle that came, as far as it was not refused.
+    fed_to: u64,
     granted: u64,
     /// Batches that were refused since it does.
     refusals: u32,
@@ -206,6 +208,7 @@ impl Failover {
             finished: false,
             over: false,
             fed_at: now,
+            fed_to: 0,
             granted: 0,
             refusals: 0,
             actions: VecDeque::new(),
@@ -291,6 +294,7 @@ impl Failover {
                 self.feed(Feed::Revised(epoch, revision));
             }
             ToAxis::Batch(batch) => {
+                (self.fed_at, self.fed_to) = (now, batch.last_cycle());
                 if let Some(record) = &mut self.record {
                     record.carry(&batch);
                 }
@@ -364,7 +368,10 @@ impl Failover {
         let held = record.held();
         record.report(&report);
         if record.held() != held {
-            (self.fed_at, self.refusals) = (now, 0);
+            self.refusals = 0;
+        }
+        if report.refused.is_some() {
+            self.fed_to = record.held();
         }
         if let Some(refused) = report.refused.as_ref().filter(|refused| refused.reason.is_of_its_server()) {
             self.refusals += 1;

@@ -182,21 +182,24 @@ impl Failover {
         if !self.search.is_idle() || !is_served || record.is_whole() || self.finished {
             return None;
         }
-        let lead = u64::from(self.open.lead_cycles);
-        let held = record.held().saturating_sub(record.executed());
-        let low = record.executed() > 0 && 2 * held < lead;
-        let missing = record.held() < self.granted;
+        let low = record.executed() > 0 && 2 * self.ahead(record) < u64::from(self.open.lead_cycles);
+        let missing = self.fed_to < self.granted;
         let low = low.then_some(self.fed_at + self.timing.lead / 4);
         let silent = missing.then_some(self.fed_at + SILENCE.max(self.timing.lead));
         [low, silent].into_iter().flatten().min()
     }
 
+    /// How many cycles are held, or on their way to the axis.
+    fn ahead(&self, record: &Record) -> u64 {
+        record.held().max(self.fed_to).saturating_sub(record.executed())
+    }
+
     /// Was it only slow?
     fn has_come_back(&self, errand: &Errand) -> bool {
         let Some(record) = &self.record else { return false };
-        let held = record.held().saturating_sub(record.executed());
         let is_served = self.serving.as_ref().is_some_and(|serving| serving.is_there);
-        let is_fed = self.fed_at > errand.since && 2 * held >= u64::from(self.open.lead_cycles);
+        let is_fed =
+            self.fed_at > errand.since && 2 * self.ahead(record) >= u64::from(self.open.lead_cycles);
         errand.cause == Cause::Silent && is_served && is_fed
     }
 
@@ -263,7 +266,7 @@ impl Failover {
 
     /// A quarter of what is left to play.
     fn hedge(&self) -> Duration {
-        let held = self.record.as_ref().map_or(0, |record| record.held().saturating_sub(record.executed()));
+        let held = self.record.as_ref().map_or(0, |record| self.ahead(record));
         let lead = u64::from(self.open.lead_cycles).max(1);
         let left = self.timing.lead.mul_f64(held.min(lead) as f64 / lead as f64);
         (left / 4).clamp(HEDGES.0, HEDGES.1)
@@ -318,6 +321,7 @@ impl Failover {
             self.drop_line(epoch);
         }
         self.fed_at = now;
+        self.fed_to = self.record.as_ref().map_or(0, Record::held);
         self.granted = 0;
         self.finished = false;
         self.refusals = 0;
