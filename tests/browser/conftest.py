@@ -49,7 +49,9 @@ def server():
 
 @pytest.fixture(scope="session")
 def axis():
-    axis = Process("portamento-sim-axis", "--listen", "127.0.0.1:0", "--drain-deadline", "1", says=["serving"])
+    model = Path(__file__).parent / "axis.json"
+    axis = Process("portamento-sim-axis", "--listen", "127.0.0.1:0", "--drain-deadline", "1", "--model", model,
+                   says=["serving"])
     yield axis
     axis.stop()
 
