@@ -13,5 +13,5 @@ mod replay;
 mod table;
 
 pub use read::{Recording, UnreadableRecording};
-pub use record::{Head, Recorder};
+pub use record::{Head, Measured, Recorder};
 pub use replay::{Difference, Replayed, replay};

@@ -22,6 +22,17 @@ pub struct Head {
     pub axes: Vec<String>,
 }
 
+/// How the axes followed in one cycle, in plan order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// As the encoders tell them \[axis units\].
+    pub positions: Vec<f64>,
+    /// Setpoint minus measured \[axis units\].
+    pub following_errors: Vec<f64>,
+    /// How late the cycle began \[ns\].
+    pub cycle_jitter_ns: i32,
+}
+
 /// Writes a recording, in the format that the name of its file says.
 #[derive(Debug)]
 pub struct Recorder {
@@ -109,6 +120,29 @@ impl Recorder {
             }
         }
         Ok(())
+    }
+
+    /// One cycle of all axes, with how they followed where that is known.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn cycle(
+        &mut self,
+        cycle: u64,
+        setpoints: &[Setpoint],
+        measured: Option<&Measured>,
+    ) -> io::Result<()> {
+        let moments = setpoints.iter().enumerate().map(|(axis, setpoint)| Moment {
+            setpoint: *setpoint,
+            measured_position: measured.and_then(|of| of.positions.get(axis).copied()),
+            following_error: measured.and_then(|of| of.following_errors.get(axis).copied()),
+            load_position: None,
+            cycle_jitter_ns: measured.map(|of| of.cycle_jitter_ns),
+        });
+        match &mut self.to {
+            To::Mcap(file) => file.cycle(cycle, moments),
+            To::Csv(table) => table.cycle(cycle, moments),
+        }
     }
 
     /// Something that happened.

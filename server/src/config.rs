@@ -1,3 +1,5 @@
+use std::path::PathBuf;
+
 use serving::{Misfits, Settings};
 
 /// Everything that can be set, with its default.
@@ -11,6 +13,8 @@ pub struct Config {
     pub max_streams: usize,
     /// The most points of a `PlanPvt` request, of all its axes together.
     pub max_pvt_points: usize,
+    /// A folder in which every stream is written down, a file for each; `None`: nowhere.
+    pub record: Option<PathBuf>,
     /// Names under which people reach the console, beside addresses and `localhost`.
     pub console_hosts: Vec<String>,
     /// The farthest cycle that `SamplePlan` gives: its digest is rolled from cycle 1.
@@ -25,6 +29,7 @@ impl Default for Config {
             max_streams: 10_000,
             // 10 000 of six axes: their plan fits a message.
             max_pvt_points: 60_000,
+            record: None,
             console_hosts: Vec::new(),
             // Ten hours at 1 ms.
             max_sample_cycles: 36_000_000,
@@ -45,6 +50,9 @@ impl Config {
         let mut misfits = self.serving.misfits();
         if self.max_streams == 0 {
             misfits.note("max-streams", "is 0, so that no axis could be served: give 1 or more");
+        }
+        if let Some(folder) = self.record.as_deref().filter(|folder| !folder.is_dir()) {
+            misfits.note("record", format!("is {}, which is no folder: make it first", folder.display()));
         }
         if let Some(why) = self.served_by.as_deref().and_then(planner::wrong_name) {
             misfits.note("served-by", why.to_string());

@@ -62,7 +62,7 @@ fn begin(
     // The session first: an open that is refused takes the stream from nobody.
     let session = Session::open(open, served_by)?;
     let claim = streams.claim(stream.clone(), epoch)?;
-    let tap = board.open(stream, executed, session.motion().plan());
+    let tap = board.open(stream, epoch, executed, session.motion());
     tracing::info!("stream opened");
     Ok((session, claim, tap, epoch))
 }
@@ -99,7 +99,11 @@ async fn serve(
                 tap.after(&session, glance);
             }
             wanted = tap.wanted() => session.handle(Event::Watched(wanted)),
-            Some(command) = claim.commands.recv() => session.handle(commanders.admit(command)),
+            Some(command) = claim.commands.recv() => {
+                let mut event = commanders.admit(command);
+                tap.before(&session, &mut event);
+                session.handle(event);
+            }
             permit = outgoing.reserve(), if session.has_output() => {
                 let Ok(permit) = permit else { return };
                 match session.poll_output() {

@@ -69,7 +69,8 @@ impl Server {
         let Self { config, bound } = self;
         let served_by = config.served_by.clone().unwrap_or_else(|| bound.address().to_string());
         let leaving = Leaving::default();
-        let (streams, board) = (Streams::new(config.max_streams), Board::default());
+        let (streams, board) =
+            (Streams::new(config.max_streams), Board::recorded_in(config.record.as_deref()));
         // The frame refuses larger ones, with a reason; below it nothing else is to.
         let size = config.serving.max_message_bytes;
         let planner = Planner::new(&config);

@@ -3,6 +3,7 @@
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in square brackets in help texts")]
 
 use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -26,6 +27,9 @@ struct Args {
     /// Where to serve HTTP beside gRPC: /healthz, /readyz, /metrics, and pages for people; nowhere by default.
     #[arg(long, env = "PORTAMENTO_HTTP", value_name = "ADDRESS:PORT")]
     http: Option<SocketAddr>,
+    /// Write every stream down in this folder, a file of MCAP for each, for `portamento replay`, Foxglove and PlotJuggler.
+    #[arg(long, env = "PORTAMENTO_RECORD", value_name = "FOLDER")]
+    record: Option<PathBuf>,
     /// A name under which people reach the console, beside addresses and localhost; may be given several times.
     #[arg(long, env = "PORTAMENTO_CONSOLE_HOST", value_delimiter = ',', value_name = "NAME")]
     console_host: Vec<String>,
@@ -76,6 +80,7 @@ fn config(args: Args) -> Result<Config, Exit> {
         listen,
         served_by,
         http,
+        record,
         console_host: console_hosts,
         insecure,
         drain_deadline,
@@ -90,6 +95,7 @@ fn config(args: Args) -> Result<Config, Exit> {
         served_by,
         max_streams,
         max_pvt_points,
+        record,
         console_hosts,
         ..Config::default()
     };

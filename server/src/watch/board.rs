@@ -1,18 +1,24 @@
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use planner::{AxisKind, CycleTime, Plan};
-use proto::stream::{Columns, Counters, Phase, StreamEvent, Tracking, Watched};
+use planner::{AxisKind, CycleTime};
+use proto::stream::{
+    Columns, Counters, Motion, Operation, OperationResult, Phase, StreamEvent, Tracking, Watched,
+};
 use proto::{Reason, Rejected};
 use tokio::sync::{mpsc, watch};
 
 use super::Tap;
+use super::recorder::{Shelf, Title};
 
 /// The streams that can be watched here, by name.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Board {
     hubs: Arc<Mutex<BTreeMap<String, Arc<Hub>>>>,
+    /// Where they are written down, if anywhere.
+    shelf: Option<Shelf>,
 }
 
 /// One stream, under one epoch, and who watches it.
@@ -50,6 +56,8 @@ pub(super) enum Seen {
     Report(Arc<Reported>),
     /// Something happened.
     Event(StreamEvent),
+    /// An operation was done.
+    Done(Arc<(Operation, OperationResult)>),
 }
 
 /// What a report has shown.
@@ -85,10 +93,18 @@ pub(super) struct Seat(Arc<Hub>);
 
 /// Reports that wait for a watcher's task: half a second of them.
 const QUEUE: usize = 64;
+/// Reports that wait for a disk: half a minute of them.
+const RECORDED: usize = 4096;
 
 impl Board {
+    /// Streams are written down in `folder` as well, a file for each.
+    pub(crate) fn recorded_in(folder: Option<&Path>) -> Self {
+        Self { shelf: folder.map(Shelf::at), ..Self::default() }
+    }
+
     /// Shows `stream` from the cycle after `executed_cycle` on, in place of what an older epoch showed under its name.
-    pub(crate) fn open(&self, stream: String, executed_cycle: u64, plan: &Plan) -> Tap {
+    pub(crate) fn open(&self, stream: String, epoch: u64, executed_cycle: u64, motion: &Motion) -> Tap {
+        let plan = motion.plan();
         let summary = Summary {
             executed_cycle,
             lead_cycles: 0,
@@ -105,6 +121,10 @@ impl Board {
             inner,
             watched: watch::Sender::new(false),
         });
+        if let Some(shelf) = &self.shelf {
+            let title = Title { stream: stream.clone(), epoch, motion: motion.clone() };
+            shelf.write_down(title, hub.clone().watch_with(RECORDED));
+        }
         lock(&self.hubs).insert(stream, hub.clone());
         Tap::new(self.clone(), hub, executed_cycle)
     }
@@ -139,7 +159,11 @@ impl Board {
 impl Hub {
     /// Takes a place.
     pub(super) fn watch(self: Arc<Self>) -> Watching {
-        let (queue, seen) = mpsc::channel(QUEUE);
+        self.watch_with(QUEUE)
+    }
+
+    fn watch_with(self: Arc<Self>, room: usize) -> Watching {
+        let (queue, seen) = mpsc::channel(room);
         let lost = Arc::new(AtomicU64::new(0));
         lock(&self.inner).watchers.push(Watcher { queue, lost: lost.clone() });
         self.watched.send_replace(true);

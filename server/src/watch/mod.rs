@@ -13,10 +13,12 @@
 //! - [`Board`]: the streams that can be watched here
 //! - [`Tap`]: what a session's task shows
 //! - [`Rows`]: commanded beside measured, cycle by cycle
+//! - [`recorder`]: a watcher that writes a file
 //! - [`decimate`]: the cycles of a message that say most
 
 mod board;
 mod decimate;
+mod recorder;
 mod rows;
 mod tap;
 mod watcher;

@@ -2,6 +2,7 @@ use std::collections::VecDeque;
 
 use planner::Setpoint;
 use proto::stream::{Columns, Tracking};
+use recording::Measured;
 
 use super::decimate::kept;
 
@@ -12,19 +13,12 @@ pub(super) struct Rows {
     rows: VecDeque<Row>,
 }
 
+/// One cycle of all axes.
 #[derive(Debug)]
-struct Row {
-    cycle: u64,
-    setpoints: Vec<Setpoint>,
-    measured: Option<Measured>,
-}
-
-/// How the axes followed in one cycle.
-#[derive(Debug)]
-struct Measured {
-    positions: Vec<f64>,
-    errors: Vec<f64>,
-    jitter_ns: i32,
+pub(super) struct Row {
+    pub(super) cycle: u64,
+    pub(super) setpoints: Vec<Setpoint>,
+    pub(super) measured: Option<Measured>,
 }
 
 /// Columns of a message.
@@ -70,25 +64,27 @@ impl Rows {
             let of_axes = |column: &[f64]| (0..self.axes).map(|axis| column[axis * cycles + index]).collect();
             row.measured = Some(Measured {
                 positions: of_axes(measured_position),
-                errors: of_axes(following_error),
-                jitter_ns: tracking.cycle_jitter_ns.get(index).copied().unwrap_or_default(),
+                following_errors: of_axes(following_error),
+                cycle_jitter_ns: tracking.cycle_jitter_ns.get(index).copied().unwrap_or_default(),
             });
         }
     }
 
-    /// Takes out what can be shown: at most `most` cycles. What the axis has not said anything about yet stays for a while; at
-    /// the `end` nothing does.
-    pub(super) fn show(&mut self, most: usize, end: bool) -> Shown {
-        let last = self.rows.iter().rposition(|row| row.measured.is_some());
-        let ready = match last {
-            Some(_) if end => self.rows.len(),
-            Some(last) => last + 1,
+    /// Takes out what is complete: what the axis has not said anything about yet stays for a while, and at the `end` nothing does.
+    pub(super) fn take(&mut self, end: bool) -> Vec<Row> {
+        let ready = match self.rows.iter().rposition(|row| row.measured.is_some()) {
+            Some(last) if !end => last + 1,
             None if self.rows.len() < PATIENCE && !end => 0,
-            // It has ceased to say, or never has.
-            None => self.rows.len(),
+            // The end; or it has ceased to say, or never has.
+            Some(_) | None => self.rows.len(),
         };
-        let mut rows: Vec<Row> = self.rows.drain(..ready).collect();
-        let measured = last.is_some();
+        self.rows.drain(..ready).collect()
+    }
+
+    /// Takes out what can be shown: at most `most` cycles of what is complete.
+    pub(super) fn show(&mut self, most: usize, end: bool) -> Shown {
+        let mut rows = self.take(end);
+        let measured = rows.iter().any(|row| row.measured.is_some());
         if measured {
             // Those that it had executed before it was asked to say.
             rows.retain(|row| row.measured.is_some());
@@ -115,8 +111,8 @@ impl Rows {
             first_cycle: rows.first().map_or(0, |row| row.cycle),
             cycles: rows.len() as u32,
             measured_position: by_axis(|row| &row.positions),
-            following_error: by_axis(|row| &row.errors),
-            cycle_jitter_ns: measured.iter().map(|row| row.jitter_ns).collect(),
+            following_error: by_axis(|row| &row.following_errors),
+            cycle_jitter_ns: measured.iter().map(|row| row.cycle_jitter_ns).collect(),
         }
     }
 
@@ -129,7 +125,7 @@ impl Rows {
             rows.iter().map(|row| row.setpoints.get(axis).map_or(f64::NAN, |at| at.words()[word])).collect()
         };
         let axes = || 0..self.axes;
-        let errors = axes().map(|axis| measured(axis, |row| &row.errors));
+        let errors = axes().map(|axis| measured(axis, |row| &row.following_errors));
         let velocities = axes().map(|axis| commanded(axis, 1));
         let positions = axes().flat_map(|axis| [commanded(axis, 0), measured(axis, |row| &row.positions)]);
         let others = axes().flat_map(|axis| [commanded(axis, 2), commanded(axis, 3)]);

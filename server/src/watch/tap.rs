@@ -1,7 +1,8 @@
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use planner::Setpoint;
-use proto::stream::{Columns, Counters, FromAxis, Motion, StreamEvent, ToAxis, Tracking};
+use proto::stream::{Columns, Counters, FromAxis, Motion, Operation, StreamEvent, ToAxis, Tracking};
 use tokio::sync::watch;
 
 use super::Board;
@@ -18,6 +19,8 @@ pub(crate) struct Tap {
     shown: u64,
     /// What follows it of the motion before, where the one that is adopted begins later.
     until_splice: Vec<Row>,
+    /// Operations that were asked for and may be done yet, the latest last.
+    asked: VecDeque<Operation>,
 }
 
 /// The setpoints of all axes in one cycle.
@@ -39,10 +42,13 @@ pub(crate) struct Glance {
 /// The most cycles that a report shows: what a session sends ahead. More are refused.
 const MOST_CYCLES: u64 = proto::stream::FARTHEST_AHEAD;
 
+/// Operations that wait on a stream, and some that are refused.
+const MOST_ASKED: usize = 64;
+
 impl Tap {
     pub(super) fn new(board: Board, hub: Arc<Hub>, shown: u64) -> Self {
         let watched = hub.watched();
-        Self { board, hub, watched, shown, until_splice: Vec::new() }
+        Self { board, hub, watched, shown, until_splice: Vec::new(), asked: VecDeque::new() }
     }
 
     /// Completes when somebody comes to watch, or nobody does any more.
@@ -53,8 +59,15 @@ impl Tap {
     }
 
     /// Looks at what has come, before `session` takes it. Takes the tracking out, for which a session has no use.
-    pub(crate) fn before(&self, session: &Session, event: &mut Event) -> Option<Glance> {
-        let Event::FromAxis(FromAxis::Report(report)) = event else { return None };
+    pub(crate) fn before(&mut self, session: &Session, event: &mut Event) -> Option<Glance> {
+        let report = match event {
+            Event::FromAxis(FromAxis::Report(report)) => report,
+            Event::FromAxis(FromAxis::Operation(operation)) | Event::Command { operation, .. } => {
+                self.hears(operation);
+                return None;
+            }
+            _ => return None,
+        };
         let tracking = report.tracking.take();
         let watched = *self.watched.borrow();
         let mut rows = Vec::new();
@@ -92,6 +105,9 @@ impl Tap {
         }
         rows.truncate(now);
         self.shown = self.shown.max(executed);
+        if motion.revision() != revision {
+            self.tells_what_was_done(motion);
+        }
         let summary = Summary {
             executed_cycle: executed,
             lead_cycles: accepted.saturating_sub(executed),
@@ -101,6 +117,22 @@ impl Tap {
         };
         let commanded = by_axis(&rows, motion.plan().axes().len());
         self.hub.tell(&Seen::Report(Arc::new(Reported { summary, first_cycle, commanded, tracking })));
+    }
+
+    /// Keeps what is asked for, until it is known what became of it.
+    fn hears(&mut self, operation: &Operation) {
+        if self.asked.len() >= MOST_ASKED {
+            self.asked.pop_front();
+        }
+        self.asked.push_back(operation.clone());
+    }
+
+    fn tells_what_was_done(&mut self, motion: &Motion) {
+        let Some(result) = motion.recent.last() else { return };
+        let place = self.asked.iter().rposition(|operation| operation.request_id == result.request_id);
+        if let Some(operation) = place.and_then(|place| self.asked.remove(place)) {
+            self.hub.tell(&Seen::Done(Arc::new((operation, result.clone()))));
+        }
     }
 
     /// Shows what the axis is told, as far as watchers care.

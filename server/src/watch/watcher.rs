@@ -109,6 +109,8 @@ impl View {
                     self.rows.measure(tracking);
                 }
             }
+            // What it has changed is seen.
+            Seen::Done(_) => {}
             Seen::Event(event) if self.events.len() < MOST_EVENTS => self.events.push(event),
             Seen::Event(_) => self.dropped += 1,
         }
