@@ -40,7 +40,7 @@ impl Connect {
 
 fn asks_elsewhere(error: &Error) -> bool {
     match error {
-        Error::Unreachable { .. } => true,
+        Error::Unreachable { .. } | Error::Unanswered { .. } => true,
         Error::Rejected(rejected) => {
             matches!(rejected.reason, Reason::StreamNotHere | Reason::Draining)
         }

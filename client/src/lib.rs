@@ -14,10 +14,14 @@ mod buffer;
 mod connect;
 mod control;
 mod error;
+pub mod failover;
 mod join;
 mod link;
+mod record;
 mod revision;
 mod setpoints;
+mod starved;
+mod uplink;
 
 use planner::{Certificate, Judged, JudgedPvt, Plan, PvtRequestSpec, RequestSpec};
 use prost::Message;
@@ -25,6 +29,7 @@ use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::{Columns, FromAxis, Open, Operation, OperationResult};
 use proto::{Against, Chunk, Digest, MAX_MESSAGE_BYTES, pb};
+use tokio::sync::mpsc;
 use tonic::Streaming;
 use tonic::service::interceptor::InterceptedService;
 use tonic::transport::Channel;
@@ -36,8 +41,10 @@ pub use control::control;
 pub use error::Error;
 pub use join::JoinRule;
 pub use link::{Link, Reports};
+pub use record::Record;
 pub use revision::Revision;
 pub use setpoints::Setpoints;
+pub use uplink::{Next, Uplink};
 
 /// A connection to one server.
 #[derive(Clone, Debug)]
@@ -158,6 +165,14 @@ impl Client {
     pub async fn open(&self, open: Open) -> Result<(Reports, Link), Error> {
         let first = self.fits(proto::request_to_wire(&FromAxis::Open(Box::new(open))))?;
         link::open(self.setpoints.clone(), &self.endpoint, first).await
+    }
+
+    /// The same of what comes out of `requests`.
+    pub(crate) async fn open_with(
+        &self,
+        requests: mpsc::Receiver<pb::StreamSetpointsRequest>,
+    ) -> Result<Link, Error> {
+        link::open_with(self.setpoints.clone(), &self.endpoint, requests).await
     }
 
     /// Does an operation on a stream that this server serves, and tells what became of it.

@@ -51,7 +51,7 @@ async fn first_message(incoming: &mut Incoming) -> Result<Open, Rejected> {
 fn begin(open: Open, streams: &Streams, served_by: &str) -> Result<(Session, Claim, u64), Rejected> {
     let (stream, epoch) = (open.stream.clone(), open.epoch);
     tracing::Span::current().record("stream", stream.as_str()).record("epoch", epoch);
-    streams.admit(&stream, open.plan.plan())?;
+    streams.admit(&open)?;
     // The session first: an open that is refused takes the stream from nobody.
     let session = Session::open(open, served_by)?;
     let claim = streams.claim(stream, epoch)?;

@@ -1,17 +1,19 @@
 use std::fmt;
 use std::sync::Arc;
 
+use client::failover::Cause;
 use metrics::{Counter, Histogram};
 use proto::stream::{Counters, Report};
 
 /// What Prometheus is told of runs. Recorded where the network task reads what the cycle thread has left for it: per report
 /// and per chunk of samples, never in a cycle.
 #[derive(Clone)]
-pub struct Figures {
+pub(crate) struct Figures {
     resolved: Arc<Resolved>,
     /// What the last report of this run said.
     told: Counters,
     executed: u64,
+    tail: Option<u64>,
 }
 
 struct Resolved {
@@ -23,42 +25,14 @@ struct Resolved {
     stale_epochs: Counter,
     lead: Histogram,
     jitter: Histogram,
-    take_overs: [Counter; TakeOver::ALL.len()],
+    failovers: [Counter; Cause::ALL.len()],
     stop_tails: Counter,
-}
-
-/// Why a stream went on with another replica.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TakeOver {
-    /// The stream broke off.
-    Broken,
-    /// The server said that it leaves.
-    Draining,
-    /// The lead fell under half, and nothing came.
-    Starving,
-}
-
-impl TakeOver {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Broken, Self::Draining, Self::Starving];
-
-    /// As the label `cause`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Broken => "broken",
-            Self::Draining => "draining",
-            Self::Starving => "starving",
-        }
-    }
 }
 
 impl Figures {
     /// Of one run, from now on.
-    #[must_use]
-    pub fn resolve() -> Self {
-        let fail_over =
-            |cause: TakeOver| metrics::counter!("motion_failovers_total", "cause" => cause.name());
+    pub(crate) fn resolve() -> Self {
+        let fail_over = |cause: Cause| metrics::counter!("motion_failovers_total", "cause" => cause.name());
         let resolved = Resolved {
             cycles: metrics::counter!("motion_cycles_executed_total"),
             underruns: metrics::counter!("motion_underruns_total"),
@@ -68,14 +42,14 @@ impl Figures {
             stale_epochs: metrics::counter!("motion_stale_epochs_total"),
             lead: metrics::histogram!("motion_lead_cycles"),
             jitter: metrics::histogram!("motion_cycle_jitter_seconds"),
-            take_overs: TakeOver::ALL.map(fail_over),
+            failovers: Cause::ALL.map(fail_over),
             stop_tails: metrics::counter!("motion_stop_tails_total"),
         };
-        Self { resolved: Arc::new(resolved), told: Counters::default(), executed: 0 }
+        Self { resolved: Arc::new(resolved), told: Counters::default(), executed: 0, tail: None }
     }
 
     /// The axis tells where it is.
-    pub fn report(&mut self, report: &Report) {
+    pub(crate) fn report(&mut self, report: &Report) {
         let Resolved {
             cycles,
             underruns,
@@ -84,6 +58,7 @@ impl Figures {
             duplicate_cycles,
             stale_epochs,
             lead,
+            stop_tails,
             ..
         } = &*self.resolved;
         let (before, now) = (self.told, report.counters);
@@ -98,27 +73,25 @@ impl Figures {
             counter.increment(now.saturating_sub(before));
         }
         lead.record(report.accepted_cycle.saturating_sub(report.executed_cycle) as f64);
-        (self.told, self.executed) = (now, report.executed_cycle);
+        if report.tail_from_cycle.is_some() && report.tail_from_cycle != self.tail {
+            stop_tails.increment(1);
+        }
+        (self.told, self.executed, self.tail) = (now, report.executed_cycle, report.tail_from_cycle);
     }
 
     /// How late cycles began [ns].
-    pub fn lateness(&self, lateness_ns: &[i32]) {
+    pub(crate) fn lateness(&self, lateness_ns: &[i32]) {
         for lateness in lateness_ns {
             self.resolved.jitter.record(f64::from(*lateness) * 1e-9);
         }
     }
 
     /// The stream went on with another replica.
-    pub fn taken_over(&self, why: TakeOver) {
-        let index = TakeOver::ALL.iter().position(|known| *known == why);
-        if let Some(counter) = index.and_then(|index| self.resolved.take_overs.get(index)) {
+    pub(crate) fn failed_over(&self, why: Cause) {
+        let index = Cause::ALL.iter().position(|known| *known == why);
+        if let Some(counter) = index.and_then(|index| self.resolved.failovers.get(index)) {
             counter.increment(1);
         }
-    }
-
-    /// The axis came to rest by itself.
-    pub fn stop_tail(&self) {
-        self.resolved.stop_tails.increment(1);
     }
 }
 

@@ -59,7 +59,6 @@ pub use clock::Clock;
 pub use commands::{Answered, Commander};
 pub use config::Config;
 pub use encoder::{Encoder, Measured};
-pub use figures::{Figures, TakeOver};
 pub use interpolate::Quintic;
 pub use jitter::{Jitter, Lateness};
 pub use model::{AxisModel, AxisModelSpec, EncoderSpec, FrictionSpec, LoadSpec, MechanicsSpec, ServoSpec};

@@ -83,7 +83,7 @@ async fn axes_that_go_together_are_held_on_their_path_and_resumed() {
             [(200, "hold", Ask::Hold, Planned::Hold), (900, "resume", Ask::Resume, Planned::Resume)]
         {
             play_to(&mut stream, cycle).await;
-            assert!(stream.operate(Operation::now(id, ask)).await);
+            assert!(stream.operate(Operation::now(id, ask)));
             let result = answered(&mut stream, id).await.unwrap();
             assert!(result.on_path, "{synchronization:?}: {id}");
             done.push((result.effective_cycle, operation));
