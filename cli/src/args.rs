@@ -15,8 +15,10 @@ mod watch;
 use std::path::PathBuf;
 
 use clap::{Args, ColorChoice, Parser, Subcommand};
+use client::Connect;
 use proto::Reason;
 
+use crate::failure::Failure;
 use crate::law::LawFlags;
 pub(crate) use command::{CommandArgs, Order};
 pub(crate) use compare::CompareArgs;
@@ -85,9 +87,43 @@ pub(crate) struct Global {
     /// axis simulator.
     #[arg(long, global = true, value_name = "URL", help_heading = EVERYWHERE, value_parser = endpoint)]
     pub(crate) endpoint: Option<String>,
+    #[command(flatten)]
+    pub(crate) encryption: EncryptionFlags,
     /// When to use colours; auto: on a terminal, unless NO_COLOR is set.
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto", help_heading = EVERYWHERE)]
     pub(crate) color: ColorChoice,
+}
+
+/// For endpoints that begin with https://.
+#[derive(Debug, Args)]
+pub(crate) struct EncryptionFlags {
+    /// Who vouches for servers whose address begins with https://.
+    #[arg(long, global = true, env = "PORTAMENTO_TLS_CA", value_name = "FILE.pem", help_heading = EVERYWHERE, hide_env_values = true)]
+    tls_ca: Option<PathBuf>,
+    /// The certificate that servers know you by.
+    #[arg(long, global = true, env = "PORTAMENTO_TLS_IDENTITY_CERT", value_name = "FILE.pem", help_heading = EVERYWHERE, hide_env_values = true)]
+    tls_identity_cert: Option<PathBuf>,
+    /// The key of that certificate.
+    #[arg(long, global = true, env = "PORTAMENTO_TLS_IDENTITY_KEY", value_name = "FILE.pem", help_heading = EVERYWHERE, hide_env_values = true)]
+    tls_identity_key: Option<PathBuf>,
+}
+
+impl EncryptionFlags {
+    /// How to connect to servers.
+    pub(crate) fn connect(&self) -> Result<Connect, Failure> {
+        let read = |path: &PathBuf| {
+            std::fs::read(path).map_err(|cause| Failure::Unreadable { path: path.clone(), cause })
+        };
+        let authority = self.tls_ca.as_ref().map(read).transpose()?;
+        let connect = authority.into_iter().fold(Connect::new(), Connect::with_authority);
+        match (&self.tls_identity_cert, &self.tls_identity_key) {
+            (Some(certificate), Some(key)) => Ok(connect.with_identity(read(certificate)?, read(key)?)),
+            (None, None) => Ok(connect),
+            _ => Err(Failure::Usage(
+                "--tls-identity-cert and --tls-identity-key go together: give both".to_owned(),
+            )),
+        }
+    }
 }
 
 #[derive(Debug, Subcommand)]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use client::Client;
+use client::{Client, Connect};
 use planner::{
     Accepted, Certificate, Judged, JudgedPvt, Plan, PvtRequest, PvtRequestSpec, Request, RequestSpec,
 };
@@ -14,6 +14,13 @@ use crate::failure::Failure;
 
 /// How many requests wait for a server's answer at once.
 const IN_FLIGHT: usize = 256;
+
+/// Where a server is, and how it is connected to; without an endpoint, this process does it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Server<'a> {
+    pub(crate) endpoint: Option<&'a str>,
+    pub(crate) connect: &'a Connect,
+}
 
 /// A planner to ask.
 pub(crate) enum Service {
@@ -69,11 +76,11 @@ impl Question for PvtRequestSpec {
 type Put<'a, T> = &'a mut dyn FnMut(T) -> Result<(), Failure>;
 
 impl Service {
-    pub(crate) fn open(endpoint: Option<&str>) -> Result<Self, Failure> {
-        let Some(endpoint) = endpoint else { return Ok(Self::InProcess) };
+    pub(crate) fn open(server: Server<'_>) -> Result<Self, Failure> {
+        let Some(endpoint) = server.endpoint else { return Ok(Self::InProcess) };
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let runtime = runtime.map_err(|error| Failure::Internal(error.to_string()))?;
-        let client = runtime.block_on(Client::connect(endpoint))?;
+        let client = runtime.block_on(server.connect.to(endpoint))?;
         Ok(Self::Remote(Box::new(Remote { runtime, client })))
     }
 

@@ -172,7 +172,7 @@ fn exit_codes_tell_why() {
         (&["plan"], 2),
         (&["plan", "--request", "-", "--endpoint", "foo bar"], 2),
         (&["plan", "--request", "-", "--endpoint", "localhost:50051"], 2),
-        (&["plan", "--request", "-", "--endpoint", "https://cell:50051"], 2),
+        (&["plan", "--request", "-", "--endpoint", "ftp://cell:50051"], 2),
         (&["plan", "--request", "-", "--plot", "x.png"], 2),
         (&["demo", "--plot", "demo.pdf"], 2),
         (&["track", "--plan", "-", "--planner", "http://"], 2),

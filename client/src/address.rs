@@ -2,10 +2,10 @@ use tonic::transport::Endpoint;
 
 use crate::Error;
 
-/// The address that `endpoint` writes, `http://127.0.0.1:50051` or the same without the scheme, as something to connect to.
+/// The address that `endpoint` writes, `http://127.0.0.1:50051`, the same without the scheme, or `https://`, as something to connect to.
 ///
 /// # Errors
-/// [`Error::Address`] where it is none, or asks for encryption, which is not offered yet. Whether anybody answers there is
+/// [`Error::Address`] where it is none. Whether anybody answers there is
 /// not asked.
 pub fn address(endpoint: &str) -> Result<Endpoint, Error> {
     let invalid = |cause: String| Error::Address { endpoint: endpoint.into(), cause };
@@ -17,9 +17,8 @@ pub fn address(endpoint: &str) -> Result<Endpoint, Error> {
         return Err(invalid("it names no port".into()));
     }
     match (address.uri().scheme_str(), address.uri().host()) {
-        (Some("http"), Some(host)) if !host.is_empty() => Ok(address),
-        (Some("https"), _) => Err(invalid("encryption is not offered yet".into())),
-        (Some("http") | None, _) => Err(invalid("it names no host".into())),
+        (Some("http" | "https"), Some(host)) if !host.is_empty() => Ok(address),
+        (Some("http" | "https") | None, _) => Err(invalid("it names no host".into())),
         (Some(scheme), _) => Err(invalid(format!("the scheme is {scheme}"))),
     }
 }
@@ -30,14 +29,20 @@ mod tests {
 
     #[test]
     fn what_is_no_address_is_said_before_anybody_is_asked() {
-        for good in ["http://127.0.0.1:50051", "127.0.0.1:50051", "planner:50051", "http://[::1]:50051/"] {
+        for good in [
+            "http://127.0.0.1:50051",
+            "127.0.0.1:50051",
+            "planner:50051",
+            "http://[::1]:50051/",
+            "https://planner:443",
+        ] {
             assert!(address(good).is_ok(), "{good}");
         }
         let rows = [
             ("foo bar", "invalid uri character"),
             ("", "invalid"),
             ("http://", "invalid"),
-            ("https://planner:443", "encryption is not offered yet"),
+            ("https://:443", "it names no host"),
             ("ftp://planner:21", "the scheme is ftp"),
             ("http://:50051", "it names no host"),
             ("foo", "it names no port"),

@@ -1,9 +1,9 @@
 use proto::Reason;
 use proto::stream::{Operation, OperationResult};
 
-use crate::{Client, Error};
+use crate::{Connect, Error};
 
-/// Does an operation on a stream that one of `endpoints` serves: asks them in turn.
+/// Does an operation on a stream that one of `endpoints` serves: asks them in turn. With encryption: [`Connect::control`].
 ///
 /// # Errors
 /// That of the endpoint which serves the stream; where none does, that of the last one that was asked.
@@ -12,15 +12,30 @@ pub async fn control(
     stream: &str,
     operation: &Operation,
 ) -> Result<OperationResult, Error> {
-    let mut last = Error::Protocol("no endpoint is given: name at least one".into());
-    for endpoint in endpoints {
-        let asked = async { Client::connect(endpoint).await?.control(stream, operation.clone()).await };
-        match asked.await {
-            Err(error) if asks_elsewhere(&error) => last = error,
-            answered => return answered,
+    Connect::new().control(endpoints, stream, operation).await
+}
+
+impl Connect {
+    /// Does an operation on a stream that one of `endpoints` serves: asks them in turn.
+    ///
+    /// # Errors
+    /// Those of [`control`].
+    pub async fn control(
+        &self,
+        endpoints: &[String],
+        stream: &str,
+        operation: &Operation,
+    ) -> Result<OperationResult, Error> {
+        let mut last = Error::Protocol("no endpoint is given: name at least one".into());
+        for endpoint in endpoints {
+            let asked = async { self.to(endpoint).await?.control(stream, operation.clone()).await };
+            match asked.await {
+                Err(error) if asks_elsewhere(&error) => last = error,
+                answered => return answered,
+            }
         }
+        Err(last)
     }
-    Err(last)
 }
 
 fn asks_elsewhere(error: &Error) -> bool {

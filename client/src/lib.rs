@@ -1,6 +1,6 @@
 //! What a cell controller or an axis gateway links: plans, and streams of setpoints.
 //!
-//! - [`address`]: what can be connected to
+//! - [`address`]: what can be connected to; [`Connect`]: how, with encryption
 //! - [`Client`]: asks a server for plans, and opens streams
 //! - [`Setpoints`]: the cycles of a stream in order; a gap is an error, not a shrug
 //! - [`Buffer`]: the rule by which an axis accepts setpoints, for those who own the clock: no allocation, no waiting
@@ -12,6 +12,7 @@
 
 mod address;
 mod buffer;
+mod connect;
 mod control;
 mod error;
 pub mod failover;
@@ -24,8 +25,6 @@ mod starved;
 mod uplink;
 mod watch;
 
-use std::time::Duration;
-
 use planner::{Certificate, Judged, JudgedPvt, Plan, PvtRequestSpec, RequestSpec};
 use prost::Message;
 use proto::pb::planner_service_client::PlannerServiceClient;
@@ -34,10 +33,12 @@ use proto::stream::{Columns, FromAxis, Open, Operation, OperationResult};
 use proto::{Against, Chunk, Digest, MAX_MESSAGE_BYTES, pb};
 use tokio::sync::mpsc;
 use tonic::Streaming;
+use tonic::service::interceptor::InterceptedService;
 use tonic::transport::Channel;
 
 pub use address::address;
 pub use buffer::{Buffer, Playing, Standing};
+pub use connect::{Connect, Traced};
 pub use control::control;
 pub use error::Error;
 pub use join::JoinRule;
@@ -53,39 +54,32 @@ pub use watch::Watching;
 pub struct Client {
     endpoint: String,
     most_bytes: usize,
-    planner: PlannerServiceClient<Channel>,
-    setpoints: SetpointServiceClient<Channel>,
+    planner: PlannerServiceClient<Traffic>,
+    setpoints: SetpointServiceClient<Traffic>,
 }
 
-/// How long a connection may take.
-const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
-/// What a stream, and a connection, may hold unread \[bytes\]: larger than any lead, so that credit does the pacing.
-const STREAM_WINDOW: u32 = 4 << 20;
-const CONNECTION_WINDOW: u32 = 16 << 20;
+/// A connection whose calls carry the trace that they belong to.
+pub(crate) type Traffic = InterceptedService<Channel, Traced>;
 
 impl Client {
-    /// Connects to the server at `endpoint`: `http://127.0.0.1:50051`, or without the scheme.
+    /// Connects to the server at `endpoint`, `http://127.0.0.1:50051`, or without the scheme. With encryption, and to
+    /// other limits: [`Connect::to`].
     ///
     /// # Errors
     /// [`Error::Address`] where the address is none, [`Error::Unreachable`] where nobody answers.
     pub async fn connect(endpoint: &str) -> Result<Self, Error> {
-        let channel = address(endpoint)?
-            .connect_timeout(CONNECT_TIMEOUT)
-            .initial_stream_window_size(STREAM_WINDOW)
-            .initial_connection_window_size(CONNECTION_WINDOW)
-            .http2_keep_alive_interval(Duration::from_secs(10))
-            .keep_alive_timeout(Duration::from_secs(5))
-            .tcp_nodelay(true)
-            .connect()
-            .await
-            .map_err(|error| Error::unreachable(endpoint, &error))?;
+        Connect::new().to(endpoint).await
+    }
+
+    /// Over a connection that is there.
+    pub(crate) fn over(endpoint: &str, channel: Channel) -> Self {
         let connected = Self {
             endpoint: endpoint.into(),
             most_bytes: MAX_MESSAGE_BYTES,
-            planner: PlannerServiceClient::new(channel.clone()),
-            setpoints: SetpointServiceClient::new(channel),
+            planner: PlannerServiceClient::with_interceptor(channel.clone(), Traced),
+            setpoints: SetpointServiceClient::with_interceptor(channel, Traced),
         };
-        Ok(connected.with_message_limit(MAX_MESSAGE_BYTES))
+        connected.with_message_limit(MAX_MESSAGE_BYTES)
     }
 
     /// The same with another limit on messages, in either direction \[bytes\]: 64 MiB where nothing is said. Beyond it calls

@@ -4,9 +4,8 @@ use proto::stream::{FromAxis, Report, ToAxis};
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::Streaming;
-use tonic::transport::Channel;
 
-use crate::Error;
+use crate::{Error, Traffic};
 
 /// Messages on their way to the server: reports are small, and a newer one says all that an older one did.
 pub(crate) const OUTBOX: usize = 16;
@@ -25,7 +24,7 @@ pub struct Link {
 }
 
 pub(crate) async fn open(
-    setpoints: SetpointServiceClient<Channel>,
+    setpoints: SetpointServiceClient<Traffic>,
     endpoint: &str,
     first: pb::StreamSetpointsRequest,
 ) -> Result<(Reports, Link), Error> {
@@ -38,7 +37,7 @@ pub(crate) async fn open(
 
 /// Says what comes out of `requests`, of which the first opens the stream.
 pub(crate) async fn open_with(
-    mut setpoints: SetpointServiceClient<Channel>,
+    mut setpoints: SetpointServiceClient<Traffic>,
     endpoint: &str,
     requests: mpsc::Receiver<pb::StreamSetpointsRequest>,
 ) -> Result<Link, Error> {

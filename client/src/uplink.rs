@@ -2,14 +2,14 @@ use std::collections::{HashMap, VecDeque};
 use std::time::Duration;
 
 use planner::CycleTime;
-use proto::pb;
 use proto::stream::{FromAxis, Open, Operation, Report, ToAxis};
+use proto::{TraceContext, pb};
 use tokio::sync::mpsc;
 use tokio::task::{AbortHandle, JoinSet};
 use tokio::time::Instant;
 
 use crate::failover::{Action, Failover, Feed, News};
-use crate::{Client, Error, Link, link};
+use crate::{Client, Connect, Error, Link, link};
 
 /// What comes next on a stream, whoever serves it.
 #[expect(clippy::large_enum_variant, reason = "most are batches: a box would be one more allocation each")]
@@ -29,6 +29,7 @@ pub struct Uplink {
     core: Failover,
     begun: Instant,
     endpoints: Vec<String>,
+    connect: Connect,
     /// Connections that are open and wait to be needed.
     warm: HashMap<usize, Client>,
     warming: JoinSet<(usize, Option<Client>)>,
@@ -67,6 +68,7 @@ impl Uplink {
             core: Failover::new(Duration::ZERO, open, cycle, endpoints.len(), patience),
             begun: Instant::now(),
             endpoints,
+            connect: Connect::new(),
             warm: HashMap::new(),
             warming: JoinSet::new(),
             lines: HashMap::new(),
@@ -75,6 +77,11 @@ impl Uplink {
             ready: VecDeque::new(),
             unsent: None,
         }
+    }
+
+    /// Connects so from now on: with encryption, as every connection of the stream is to.
+    pub fn connect_by(&mut self, connect: Connect) {
+        self.connect = connect;
     }
 
     /// What was decided so far.
@@ -208,11 +215,12 @@ impl Uplink {
         let address = self.endpoint(endpoint).to_owned();
         // Behind a single address there may be several servers: a connection of its own may find another.
         let warm = if self.endpoints.len() > 1 { self.warm.get(&endpoint).cloned() } else { None };
-        let opening = self.opening.spawn(async move {
+        let connect = self.connect.clone();
+        let opening = self.opening.spawn(TraceContext::carried(async move {
             let opened = async {
                 let client = match warm {
                     Some(client) => client,
-                    None => Client::connect(&address).await?,
+                    None => connect.to(&address).await?,
                 };
                 let mut link = client.open_with(requests).await?;
                 match link.next().await? {
@@ -221,7 +229,7 @@ impl Uplink {
                 }
             };
             (epoch, opened.await)
-        });
+        }));
         self.lines.insert(epoch, Line { outgoing, opening, endpoint });
     }
 
@@ -233,7 +241,8 @@ impl Uplink {
             return;
         }
         let address = self.endpoint(next).to_owned();
-        self.warming.spawn(async move { (next, Client::connect(&address).await.ok()) });
+        let connect = self.connect.clone();
+        self.warming.spawn(async move { (next, connect.to(&address).await.ok()) });
     }
 
     async fn happens(&mut self) -> Happened {

@@ -92,8 +92,8 @@ reasons! {
             "A name is empty, longer than 256 bytes, or has control characters. Give a name that can be read and \
              printed, as x or cell-7/x."
         EndpointInvalid "ENDPOINT_INVALID"
-            "An endpoint is not an address that can be connected to. Write it as http://host:port; encryption is not \
-             offered yet."
+            "An endpoint is not an address that can be connected to. Write it as http://host:port, or https:// where \
+             the server has a certificate."
         MessageInvalid "MESSAGE_INVALID"
             "The text or the bytes are not a message of the schema: no JSON, an unknown field, a broken encoding. Compare \
              with the schema at the place that is named, and write numbers that JSON knows."
@@ -197,6 +197,14 @@ reasons! {
         Overloaded "OVERLOADED"
             "The server has more to do than it can finish in time. Try again after a while, on another replica if \
              there is one."
+    }
+    DeadlineExceeded {
+        FirstMessageLate "FIRST_MESSAGE_LATE"
+            "A call was begun, and its first message did not come in time. Send the message with the call; where the line is \
+             slow, raise the server's first_message_deadline."
+        StreamIdle "STREAM_IDLE"
+            "Nothing was said on a stream for longer than the server waits. Report at least every batch; where axes are to \
+             stand silent for longer, raise the server's idle_deadline. Open again to go on."
     }
     Unavailable {
         Draining "DRAINING"

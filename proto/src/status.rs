@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::fmt::{self, Write as _};
+use std::time::Duration;
 
 use prost::Message;
 use prost_types::Any;
 use serde_json::{Value, json};
 use tonic::{Code, Status};
-use tonic_types::pb::{BadRequest, Status as RpcStatus, bad_request};
+use tonic_types::pb::{BadRequest, RetryInfo, Status as RpcStatus, bad_request};
 
 use crate::Reason;
 
@@ -98,6 +99,18 @@ impl Rejected {
         self
     }
 
+    /// The same, to be asked again after `wait`: also as the detail `google.rpc.RetryInfo`, which clients of gRPC know.
+    #[must_use]
+    pub fn retry_after(self, wait: Duration) -> Self {
+        self.with(RETRY_AFTER, wait.as_secs_f64())
+    }
+
+    /// How long to wait before asking again, where the refusal says it.
+    #[must_use]
+    pub fn retry_delay(&self) -> Option<Duration> {
+        Duration::try_from_secs_f64(self.metadata.get(RETRY_AFTER)?.parse().ok()?).ok()
+    }
+
     /// The refusal that a status carries, if it carries one that this version knows.
     pub fn from_status(status: &Status) -> Option<Self> {
         Self::from_bytes(status.details())
@@ -117,6 +130,10 @@ impl Rejected {
         if !fields.is_empty() {
             let field_violations = fields.iter().map(FieldViolation::to_wire).collect();
             details.push(any(BAD_REQUEST, &BadRequest { field_violations }));
+        }
+        let delay = self.retry_delay().and_then(|delay| prost_types::Duration::try_from(delay).ok());
+        if let Some(retry_delay) = delay {
+            details.push(any(RETRY_INFO, &RetryInfo { retry_delay: Some(retry_delay) }));
         }
         RpcStatus { code: reason.code().into(), message: message.clone(), details }.encode_to_vec()
     }
@@ -197,6 +214,8 @@ const FIELD_ROOM: usize = 192;
 const TEXT_OVERHEAD: usize = 4;
 /// Metadata key under which a status says how many fields did not fit.
 const FIELDS_OMITTED: &str = "fields_omitted";
+/// Metadata key under which a refusal says how long to wait before asking again \[s\].
+const RETRY_AFTER: &str = "retry_after_s";
 
 /// At most `room` bytes of `text`, ending in an ellipsis if it had to be cut.
 fn clipped(text: &str, room: usize) -> String {
@@ -312,6 +331,7 @@ fn error_json(
 }
 
 const ERROR_INFO: &str = "type.googleapis.com/google.rpc.ErrorInfo";
+const RETRY_INFO: &str = "type.googleapis.com/google.rpc.RetryInfo";
 const BAD_REQUEST: &str = "type.googleapis.com/google.rpc.BadRequest";
 
 /// `google.rpc.ErrorInfo`, with metadata in the order of their keys: the same refusal has the same bytes.

@@ -2,6 +2,8 @@ use std::path::PathBuf;
 
 use serving::{Misfits, Settings};
 
+use crate::limits::Limits;
+
 /// Everything that can be set, with its default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Config {
@@ -9,16 +11,12 @@ pub struct Config {
     pub serving: Settings,
     /// The name by which axes know this replica; unset: its address.
     pub served_by: Option<String>,
-    /// The most streams at a time.
-    pub max_streams: usize,
-    /// The most points of a `PlanPvt` request, of all its axes together.
-    pub max_pvt_points: usize,
+    /// How large a motion may be, and how many of them.
+    pub limits: Limits,
     /// A folder in which every stream is written down, a file for each; `None`: nowhere.
     pub record: Option<PathBuf>,
     /// Names under which people reach the console, beside addresses and `localhost`.
     pub console_hosts: Vec<String>,
-    /// The farthest cycle that `SamplePlan` gives: its digest is rolled from cycle 1.
-    pub max_sample_cycles: u64,
 }
 
 impl Default for Config {
@@ -26,13 +24,9 @@ impl Default for Config {
         Self {
             serving: Settings::on_port(50051),
             served_by: None,
-            max_streams: 10_000,
-            // 10 000 of six axes: their plan fits a message.
-            max_pvt_points: 60_000,
+            limits: Limits::default(),
             record: None,
             console_hosts: Vec::new(),
-            // Ten hours at 1 ms.
-            max_sample_cycles: 36_000_000,
         }
     }
 }
@@ -48,8 +42,8 @@ impl Config {
     #[must_use]
     pub fn misfits(&self) -> Misfits {
         let mut misfits = self.serving.misfits();
-        if self.max_streams == 0 {
-            misfits.note("max-streams", "is 0, so that no axis could be served: give 1 or more");
+        for (setting, _) in self.limits.named().into_iter().filter(|(_, most)| *most == 0) {
+            misfits.note(setting, "is 0, so that no axis could be served: give 1 or more");
         }
         if let Some(folder) = self.record.as_deref().filter(|folder| !folder.is_dir()) {
             misfits.note("record", format!("is {}, which is no folder: make it first", folder.display()));
@@ -68,10 +62,11 @@ mod tests {
     #[test]
     fn what_cannot_be_is_said_at_once() {
         assert_eq!(Config::default().misfits(), Misfits::default());
-        let mut wrong = Config { max_streams: 0, served_by: Some(String::new()), ..Config::default() };
+        let limits = Limits { streams: 0, ..Limits::default() };
+        let mut wrong = Config { limits, served_by: Some(String::new()), ..Config::default() };
         wrong.serving.max_message_bytes = 0;
         let misfits = wrong.misfits();
-        let settings: Vec<&str> = misfits.as_slice().iter().map(|misfit| misfit.setting).collect();
+        let settings: Vec<&str> = misfits.as_slice().iter().map(|misfit| &*misfit.setting).collect();
         assert_eq!(settings, ["max-message-bytes", "max-streams", "served-by"]);
     }
 }

@@ -59,6 +59,7 @@ fn begin(
 ) -> Result<(Session, Claim, Tap, u64), Rejected> {
     let (stream, epoch, executed) = (open.stream.clone(), open.epoch, open.executed_cycle);
     tracing::Span::current().record("stream", stream.as_str()).record("epoch", epoch);
+    streams.admit(&open)?;
     // The session first: an open that is refused takes the stream from nobody.
     let session = Session::open(open, served_by)?;
     let claim = streams.claim(stream.clone(), epoch)?;

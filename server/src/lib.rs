@@ -5,6 +5,7 @@
 //!
 //! - `rpc`: the services; each handler is translation around one call
 //! - [`session`]: what one stream does, decided without a clock or a task
+//! - `limits`, `figures`: how large and how many, and what is told of it
 //! - `drive`: the loop between the world and a session
 //! - `watch`: who looks on
 //! - `console`: pages for people, on the side port
@@ -12,6 +13,8 @@
 mod config;
 mod console;
 mod drive;
+mod figures;
+mod limits;
 mod rpc;
 pub mod session;
 mod streams;
@@ -21,10 +24,12 @@ use std::net::SocketAddr;
 
 use proto::pb::planner_service_server::PlannerServiceServer;
 use proto::pb::setpoint_service_server::SetpointServiceServer;
-use serving::{Bound, Leaving, Services};
+use serving::{Bound, Caller, Leaving, Services};
 
 pub use config::Config;
 use console::Console;
+use figures::Figures;
+pub use limits::Limits;
 use rpc::{Planner, Setpoints};
 pub use serving::{Misfits, ServeError, Settings};
 use streams::Streams;
@@ -69,16 +74,18 @@ impl Server {
         let Self { config, bound } = self;
         let served_by = config.served_by.clone().unwrap_or_else(|| bound.address().to_string());
         let leaving = Leaving::default();
-        let (streams, board) =
-            (Streams::new(config.max_streams), Board::recorded_in(config.record.as_deref()));
+        let figures = Figures::resolve();
+        let streams = Streams::new(config.limits, figures.clone());
         // The frame refuses larger ones, with a reason; below it nothing else is to.
         let size = config.serving.max_message_bytes;
-        let planner = Planner::new(&config);
+        let board = Board::recorded_in(config.record.as_deref());
+        let planner = Planner::new(config.limits, figures);
         let setpoints = Setpoints::new(streams, board.clone(), served_by, leaving.clone());
-        let console = Console { planner, setpoints: setpoints.clone(), board, leaving: leaving.clone() };
+        let caller = Caller::without_a_name(config.serving.policy.clone());
+        let console =
+            Console { planner: planner.clone(), setpoints: setpoints.clone(), board, leaving: leaving.clone(), caller };
         let pages = console.pages(&config.console_hosts, size);
-        let (planner, setpoints) =
-            (PlannerServiceServer::new(planner), SetpointServiceServer::new(setpoints));
+        let (planner, setpoints) = (PlannerServiceServer::new(planner), SetpointServiceServer::new(setpoints));
         let services = Services::of_schema(proto::FILE_DESCRIPTOR_SET)
             .with(planner.max_decoding_message_size(size))
             .with(setpoints.max_decoding_message_size(size))

@@ -1,22 +1,30 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
-use proto::stream::{Operation, OperationResult};
+use proto::stream::{Open, Operation, OperationResult, Source};
 use proto::{Reason, Rejected};
+use serving::Caller;
 use tokio::sync::{mpsc, oneshot};
+
+use crate::figures::Figures;
+use crate::limits::Limits;
 
 /// Which streams are open here, each under its newest epoch.
 #[derive(Clone, Debug)]
 pub(crate) struct Streams {
     open: Arc<Mutex<HashMap<String, Holder>>>,
-    most: usize,
+    limits: Limits,
+    figures: Figures,
+    caller: Caller,
 }
 
 /// The session that holds a stream.
 #[derive(Debug)]
 struct Holder {
     epoch: u64,
+    caller: Caller,
     superseded: oneshot::Sender<u64>,
     commands: mpsc::Sender<Command>,
 }
@@ -45,17 +53,44 @@ pub(crate) struct Claim {
 }
 
 impl Streams {
-    pub(crate) fn new(most: usize) -> Self {
-        Self { open: Arc::default(), most }
+    pub(crate) fn new(limits: Limits, figures: Figures) -> Self {
+        Self { open: Arc::default(), limits, figures, caller: Caller::default() }
+    }
+
+    /// The same streams, as far as `caller` may use them.
+    pub(crate) fn as_used_by(&self, caller: Caller) -> Self {
+        Self { caller, ..self.clone() }
+    }
+
+    /// Where is counted what happens to them.
+    pub(crate) fn figures(&self) -> &Figures {
+        &self.figures
+    }
+
+    /// May the caller open this stream, and with such a motion?
+    pub(crate) fn admit(&self, open: &Open) -> Result<(), Rejected> {
+        self.caller.may_use(&open.stream)?;
+        match &open.source {
+            Source::Plan(plan) => self.limits.admit_motion("open.plan", plan.plan()),
+            Source::Resume(resume) => {
+                self.limits.admit_motion("open.resume.motion.plan", resume.motion.plan())
+            }
+        }
     }
 
     /// Takes `stream` for `epoch`, away from any older epoch.
     pub(crate) fn claim(&self, stream: String, epoch: u64) -> Result<Claim, Rejected> {
+        self.caller.may_use(&stream)?;
         let (sender, superseded) = oneshot::channel();
         let (commander, commands) = mpsc::channel(COMMANDS);
-        let holder = Holder { epoch, superseded: sender, commands: commander };
+        let holder = Holder { epoch, caller: self.caller.clone(), superseded: sender, commands: commander };
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         let count = open.len();
+        let of_caller =
+            || open.values().filter(|held| held.caller.identity() == self.caller.identity()).count();
+        let Limits { streams: most, streams_per_identity, .. } = self.limits;
+        // Counted only where it can matter.
+        let is_greedy = count >= streams_per_identity && of_caller() >= streams_per_identity;
         match open.entry(stream.clone()) {
             Entry::Occupied(held) if held.get().epoch >= epoch => {
                 return Err(older(&stream, epoch, held.get().epoch));
@@ -65,11 +100,13 @@ impl Streams {
                 // It may have ended in the meantime.
                 let _ = older.superseded.send(epoch);
             }
-            Entry::Vacant(_) if count >= self.most => return Err(too_many(self.most)),
+            Entry::Vacant(_) if count >= most => return Err(too_many(most)),
+            Entry::Vacant(_) if is_greedy => return Err(too_many_of_one(streams_per_identity)),
             Entry::Vacant(free) => {
                 free.insert(holder);
             }
         }
+        self.figures.opened(open.len());
         drop(open);
         Ok(Claim { streams: self.clone(), stream, epoch, superseded, commands })
     }
@@ -80,6 +117,7 @@ impl Streams {
         stream: &str,
         operation: Operation,
     ) -> Result<OperationResult, Rejected> {
+        self.caller.may_use(stream)?;
         let commands = {
             let open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
             open.get(stream).map(|holder| holder.commands.clone()).ok_or_else(|| not_here(stream))?
@@ -99,6 +137,7 @@ impl Drop for Claim {
         let mut open = self.streams.open.lock().unwrap_or_else(PoisonError::into_inner);
         if open.get(&self.stream).is_some_and(|holder| holder.epoch == self.epoch) {
             open.remove(&self.stream);
+            self.streams.figures.open(open.len());
         }
     }
 }
@@ -115,6 +154,15 @@ fn too_many(most: usize) -> Rejected {
     Rejected::new(Reason::TooManyStreams, text).with("given", most + 1).with("allowed", most)
 }
 
+fn too_many_of_one(most: usize) -> Rejected {
+    let text = format!(
+        "{most} streams of this caller are open, as many as this server takes of each: close one, or raise \
+         max_streams_per_identity"
+    );
+    let rejected = Rejected::new(Reason::TooManyStreams, text);
+    rejected.with("given", most + 1).with("allowed", most).with("limit", "max_streams_per_identity")
+}
+
 fn not_here(stream: &str) -> Rejected {
     let text = format!(
         "stream {stream:?} is not served here: ask the other replicas in turn, or command the axis that plays it"
@@ -125,7 +173,7 @@ fn not_here(stream: &str) -> Rejected {
 fn overloaded(stream: &str) -> Rejected {
     let text =
         format!("{COMMANDS} commands wait for stream {stream:?}, as many as may: ask again in a moment");
-    Rejected::new(Reason::Overloaded, text).with("allowed", COMMANDS)
+    Rejected::new(Reason::Overloaded, text).with("allowed", COMMANDS).retry_after(Duration::from_millis(100))
 }
 
 fn not_confirmed(stream: &str) -> Rejected {

@@ -17,7 +17,7 @@ fn every_setting_that_cannot_be_is_said_at_once() {
     let said = String::from_utf8(ended.stderr).unwrap();
     assert_eq!(ended.status.code(), Some(64), "{said}");
     let settings: Vec<&str> = said.lines().map(|line| line.split_whitespace().nth(1).unwrap()).collect();
-    assert_eq!(settings, ["listen", "max-streams", "drain-deadline"], "{said}");
+    assert_eq!(settings, ["drain-deadline", "listen", "max-streams"], "{said}");
 }
 
 #[test]
@@ -45,4 +45,77 @@ fn a_log_that_nobody_looks_at_is_plain() {
     process.kill().unwrap();
     process.wait().unwrap();
     assert!(line.contains("serving address=127.0.0.1:") && !line.contains('\u{1b}'), "{line:?}");
+}
+
+/// What a file, the environment and flags say that cannot be, and that the process says nothing of a port.
+#[test]
+fn file_environment_and_flags_are_wrong_at_once() {
+    let file = in_a_file(
+        "wrong.toml",
+        "max_stream = 7\nmax_axes = \"many\"\ntls_cert = \"/nowhere.pem\"\nidle_deadline = [7]\nreflection = \"yes\"\n",
+    );
+    let ended = server(&["--config", &file, "--max-segments", "-1", "--cors-origins", "console"])
+        .env("PORTAMENTO_KEEPALIVE_TIMEOUT", "0")
+        .env("PORTAMENTO_LOG_FORMAT", "xml")
+        .output()
+        .unwrap();
+    let said = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!(ended.status.code(), Some(64), "{said}");
+    for (setting, problem) in [
+        ("max_stream", "max_streams is"),
+        ("max-axes", "is \"many\""),
+        ("tls-key", "is missing"),
+        ("idle_deadline", "is neither text"),
+        ("reflection", "is \"yes\""),
+        ("max-segments", "is \"-1\""),
+        ("cors-origins", "\"console\""),
+        ("keepalive-timeout", "is 0"),
+        ("log-format", "is \"xml\": give text or json"),
+    ] {
+        let line = said.lines().find(|line| line.starts_with(&format!("portamento-server: {setting} ")));
+        assert!(line.is_some_and(|line| line.contains(problem)), "{setting}: {said}");
+    }
+    assert!(!said.contains("serving"), "{said}");
+}
+
+/// Flags before the environment, the environment before the file, and that before what is usual.
+#[test]
+fn flags_go_before_the_environment_and_that_before_the_file() {
+    let file = in_a_file("ranks.toml", "served_by = \"\"\nmax_axes = 0\nmax_segments = 0\n");
+    let ended = server(&["--config", &file, "--max-segments", "9"]).env("PORTAMENTO_MAX_AXES", "8").output();
+    let said = String::from_utf8(ended.unwrap().stderr).unwrap();
+    // Only what nothing goes before is still wrong.
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(said.contains("served-by"), "{said}");
+}
+
+/// The file that is handed out says every setting as it is, and is one that can be read.
+#[test]
+fn the_settings_of_deploy_are_those_of_the_server() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../deploy/config/server.toml");
+    let printed = server(&["settings"]).output().unwrap().stdout;
+    let printed = String::from_utf8(printed).unwrap();
+    if std::env::var_os("PORTAMENTO_REGENERATE").is_some() {
+        std::fs::write(path, &printed).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(path).unwrap(), printed, "PORTAMENTO_REGENERATE=1 writes it");
+    let ended = server(&["--config", path, "--max-axes", "0"]).output().unwrap();
+    let said = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!((ended.status.code(), said.lines().count()), (Some(64), 1), "{said}");
+}
+
+fn in_a_file(name: &str, text: &str) -> String {
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn logs_for_programs_are_a_document_a_line() {
+    let mut process = server(&["--listen", "127.0.0.1:0", "--log-format", "json"]).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(process.stderr.take().unwrap()).read_line(&mut line).unwrap();
+    process.kill().unwrap();
+    process.wait().unwrap();
+    assert!(line.starts_with('{') && line.contains("\"message\":\"serving\""), "{line:?}");
 }

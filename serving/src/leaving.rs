@@ -1,7 +1,9 @@
 use std::time::Duration;
 
+use proto::TraceContext;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
+use tracing::Instrument as _;
 
 /// How a process leaves: it says so, and later it goes. Meanwhile it answers, so that whoever asks learns that it leaves.
 ///
@@ -33,9 +35,10 @@ impl Leaving {
         self.now.cancelled().await;
     }
 
-    /// Does work that the process waits for before it goes.
+    /// Does work that the process waits for before it goes. It belongs to the span and the trace of the call that it is
+    /// for.
     pub fn spawn(&self, work: impl Future<Output = ()> + Send + 'static) {
-        self.work.spawn(work);
+        self.work.spawn(TraceContext::carried(work.in_current_span()));
     }
 
     /// Completes when all work has ended, or a while after the deadline.

@@ -3,25 +3,50 @@
 //! [`Settings`] → [`Bound::to`] (so the port is known) → [`Bound::serve`] until told to stop. Each process adds its
 //! [`Services`] and gives them the [`Leaving`] by which they learn that the process is about to go.
 //!
-//! - `settings`: what can be set in each of them, and everything that is wrong with it at once
-//! - `serve`: port, health, reflection, keep-alive; serves on while it drains
-//! - `refusals`: messages too large, and statuses that come without a reason, become refusals with one
-//! - `side_port`: health for probes, figures for Prometheus, and pages for people
-//! - `telemetry`: where the figures are kept
-//! - `leaving`: the order in which a process goes
+//! From outside inwards:
 //! - `process`: from arguments to an exit code
+//! - `flags`, `file`, `given`: what is set by arguments, environment and a file, and what is wrong with it
+//! - `settings`: what can be set in each of them, and everything that is wrong with it at once
+//! - `logs`, `telemetry`: what is told, and where figures are kept; `export`: spans for a collector
+//! - `serve`: ports, health, reflection; serves on while it drains
+//! - `connections`: how many, and that they say something
+//! - `tls`, `caller`, `policy`: who calls, and what he may do
+//! - `frame`: what every call passes, in one order; `admission`, `told`, `refusals` are its layers: who is let in, what is told
+//!   of a call, and that messages too large or too late, and statuses without a reason, become refusals with one
+//! - `side_port`: health for probes, figures for Prometheus, and pages for people
+//! - `leaving`: the order in which a process goes
 
+mod admission;
+mod caller;
+mod connections;
+#[cfg(feature = "otlp")]
+mod export;
+mod file;
+mod flags;
+mod frame;
+mod given;
 mod leaving;
+mod logs;
+mod policy;
 mod process;
 mod refusals;
 mod serve;
 mod settings;
 mod side_port;
 mod telemetry;
+mod tls;
+mod told;
 
 /// What pages on the side port are made of.
 pub use axum;
+pub use caller::Caller;
+pub use file::{settings_file, with_settings};
+pub use flags::{Flags, LogFormat};
+pub use given::{Given, List, Seconds};
 pub use leaving::Leaving;
-pub use process::{Exit, healthcheck, process, seconds, told_to_stop};
+pub use policy::{InvalidPolicy, Policy};
+pub use process::{Arguments, Exit, healthcheck, print, process, seconds, told_to_stop};
 pub use serve::{Bound, ServeError, Services};
 pub use settings::{Misfit, Misfits, Settings};
+pub use tls::Tls;
+pub use told::Refusals;

@@ -1,5 +1,6 @@
-use std::io::{IsTerminal as _, Write as _};
+use std::io::Write as _;
 use std::net::{Ipv4Addr, SocketAddr};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -8,9 +9,9 @@ use tokio::signal::unix::{SignalKind, signal};
 use tonic_health::pb::HealthCheckRequest;
 use tonic_health::pb::health_check_response::ServingStatus;
 use tonic_health::pb::health_client::HealthClient;
-use tracing_subscriber::EnvFilter;
 
-use crate::{Misfits, ServeError};
+use crate::flags::Flags;
+use crate::{Misfits, ServeError, Settings, file, logs};
 
 /// Why a process ends badly.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,13 +49,21 @@ impl From<ServeError> for Exit {
     }
 }
 
-/// The whole of a process called `name`: reads its arguments, runs `main` with them, and says on standard error why it
-/// ended badly. Exits with 0, with 64 where a setting is wrong, else with 1.
-pub fn process<A: Parser, F: Future<Output = Result<(), Exit>>>(
+/// What a process is told when it is started.
+pub trait Arguments: Parser {
+    /// Those that every process has.
+    fn flags(&self) -> &Flags;
+}
+
+/// The whole of a process called `name`: reads its settings from file, environment and arguments, runs `main` with them and
+/// with what is wrong so far, and says on standard error why it ended badly. Exits with 0, with 64 where a setting is wrong,
+/// else with 1.
+pub fn process<A: Arguments, F: Future<Output = Result<(), Exit>>>(
     name: &str,
-    main: impl FnOnce(A) -> F,
+    main: impl FnOnce(A, Misfits) -> F,
 ) -> ExitCode {
-    let args = match A::try_parse() {
+    let mut misfits = Misfits::default();
+    let args = match arguments::<A>(&mut misfits) {
         Ok(args) => args,
         Err(said) => {
             // Where nobody reads it, the exit code has to do.
@@ -62,12 +71,18 @@ pub fn process<A: Parser, F: Future<Output = Result<(), Exit>>>(
             return if said.use_stderr() { ExitCode::from(USAGE) } else { ExitCode::SUCCESS };
         }
     };
-    log_to_stderr();
     let ended = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .build()
         .map_err(|error| Exit::failure(format!("cannot start: {error}")))
-        .and_then(|runtime| runtime.block_on(main(args)));
+        .and_then(|runtime| {
+            runtime.block_on(async {
+                let export = logs::begin(name, args.flags(), &mut misfits);
+                let ended = main(args, misfits).await;
+                export.end();
+                ended
+            })
+        });
     let Err(Exit { code, text }) = ended else { return ExitCode::SUCCESS };
     for line in text.lines() {
         // Where standard error is closed, the exit code has to do.
@@ -76,14 +91,20 @@ pub fn process<A: Parser, F: Future<Output = Result<(), Exit>>>(
     ExitCode::from(code)
 }
 
-/// In colour where somebody looks on, and plain in files.
-fn log_to_stderr() {
-    let wants_plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    tracing_subscriber::fmt()
-        .with_env_filter(EnvFilter::try_from_default_env().unwrap_or_else(|_| "info".into()))
-        .with_ansi(std::io::stderr().is_terminal() && !wants_plain)
-        .with_writer(std::io::stderr)
-        .init();
+/// From the file that arguments or environment name, the environment, and the arguments; each before the one that it follows.
+fn arguments<A: Arguments>(misfits: &mut Misfits) -> Result<A, clap::Error> {
+    let command = A::command();
+    let path = command
+        .clone()
+        .ignore_errors(true)
+        .try_get_matches()
+        .ok()
+        .and_then(|matches| matches.get_one::<PathBuf>("config").cloned());
+    let command = match path {
+        Some(path) => file::with_defaults(command, &path, misfits),
+        None => command,
+    };
+    A::from_arg_matches(&command.try_get_matches()?)
 }
 
 /// Completes on SIGTERM or SIGINT.
@@ -102,6 +123,16 @@ pub fn told_to_stop() -> Result<impl Future<Output = ()> + Send, Exit> {
     })
 }
 
+/// Prints what a subcommand was asked for.
+///
+/// # Errors
+/// Where nobody can read it.
+pub fn print(text: &str) -> Result<(), Exit> {
+    std::io::stdout()
+        .write_all(text.as_bytes())
+        .map_err(|error| Exit::failure(format!("cannot print: {error}")))
+}
+
 /// A number of seconds that is a duration.
 ///
 /// # Errors
@@ -110,11 +141,17 @@ pub fn seconds(given: f64) -> Result<Duration, String> {
     Duration::try_from_secs_f64(given).map_err(|_| format!("is {given}: give seconds, 0 or more"))
 }
 
-/// Asks the process at `listen` whether it serves `service`.
+/// Asks the process with these settings whether it serves `service`: at its side port where it has one, which takes no
+/// certificate.
 ///
 /// # Errors
 /// Where it does not, or does not answer.
-pub async fn healthcheck(listen: SocketAddr, service: &str) -> Result<(), Exit> {
+pub async fn healthcheck(settings: &Settings, service: &str) -> Result<(), Exit> {
+    let listen = settings.http.unwrap_or(settings.listen);
+    if settings.http.is_none() && settings.tls.is_some() {
+        let text = "health is asked without a certificate: give --http, and it is asked there";
+        return Err(Exit::failure(text));
+    }
     let here = SocketAddr::from((Ipv4Addr::LOCALHOST, listen.port()));
     let address = if listen.ip().is_unspecified() { here } else { listen };
     let asked = async {

@@ -1,9 +1,10 @@
 //! Refusals of what no service gets to see. A message that is too large is refused here, in both directions, before it is
-//! buffered or sent; and a status that the transport makes by itself gets the reason that goes with it. So no caller ever
+//! buffered or sent, and one that does not come is not waited for; and a status that the transport makes by itself gets the reason that goes with it. So no caller ever
 //! has to read a text to know what to do.
 
 use std::pin::Pin;
 use std::task::{Context, Poll, ready};
+use std::time::Duration;
 
 use http_body::Frame;
 use proto::{Reason, Rejected};
@@ -11,18 +12,50 @@ use tonic::body::Body;
 use tonic::codegen::{Bytes, http};
 use tonic::{Code, Status};
 
-/// The request, whose messages have at most `most` bytes.
-pub(crate) fn of_request(request: http::Request<Body>, most: usize) -> http::Request<Body> {
-    request.map(|body| Body::new(Metered::new(body, most, Direction::Request)))
+use crate::connections::Patience;
+use crate::told::Refusals;
+
+/// What a message may be, and how long it may take to come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Measure {
+    /// Its size \[bytes\].
+    pub(crate) most_bytes: usize,
+    /// From the call to its first message.
+    pub(crate) first: Option<Duration>,
+    /// From one message of a stream to the next.
+    pub(crate) idle: Option<Duration>,
 }
 
-/// The response, whose messages have at most `most` bytes, and which is no refusal without a reason.
-pub(crate) fn of_response(mut response: http::Response<Body>, most: usize) -> http::Response<Body> {
-    if let Some(rejected) = Status::from_header_map(response.headers()).and_then(|status| reasoned(&status)) {
+/// The request, whose messages are neither too large nor too late.
+pub(crate) fn of_request(request: http::Request<Body>, measure: Measure) -> http::Request<Body> {
+    request.map(|body| Body::new(Metered::new(body, measure, Direction::Request, None)))
+}
+
+/// The response, whose messages are not too large, and which is no refusal without a reason; refusals are counted.
+pub(crate) fn of_response(
+    mut response: http::Response<Body>,
+    measure: Measure,
+    refusals: &Refusals,
+) -> http::Response<Body> {
+    let status = Status::from_header_map(response.headers());
+    if let Some(rejected) = status.as_ref().and_then(reasoned) {
         // Only a message that cannot be written in a header fails, and then the answer stays as it was.
         let _ = Status::from(rejected).add_header(response.headers_mut());
     }
-    response.map(|body| Body::new(Metered::new(body, most, Direction::Response)))
+    count(refusals, response.headers());
+    let refusals = refusals.clone();
+    response.map(|body| Body::new(Metered::new(body, measure, Direction::Response, Some(refusals))))
+}
+
+/// Counts the refusal that headers or trailers carry.
+fn count(refusals: &Refusals, headers: &http::HeaderMap) {
+    if !headers.contains_key("grpc-status-details-bin") {
+        return;
+    }
+    let rejected = Status::from_header_map(headers).and_then(|status| Rejected::from_status(&status));
+    if let Some(rejected) = rejected {
+        refusals.count(rejected.reason);
+    }
 }
 
 /// What a status says that the transport has made of bytes that it cannot decode: no service answers so. A method that is
@@ -41,20 +74,45 @@ enum Direction {
     Response,
 }
 
-/// A body whose messages are measured as they pass. One that is too large ends a request with an error, which its reader
-/// answers with, and a response with the trailers that say why.
+/// A body whose messages are measured as they pass. One that is too large, or does not come, ends a request with an error,
+/// which its reader answers with, and a response with the trailers that say why.
 struct Metered {
     inner: Body,
     meter: Meter,
+    measure: Measure,
+    patience: Patience,
+    has_begun: bool,
     direction: Direction,
+    /// Where refusals are counted that end a response.
+    refusals: Option<Refusals>,
     /// Ends the body, once what came before it has passed.
     refusal: Option<Status>,
     is_over: bool,
 }
 
 impl Metered {
-    fn new(inner: Body, most: usize, direction: Direction) -> Self {
-        Self { inner, meter: Meter::new(most), direction, refusal: None, is_over: false }
+    fn new(inner: Body, measure: Measure, direction: Direction, refusals: Option<Refusals>) -> Self {
+        Self {
+            inner,
+            meter: Meter::new(measure.most_bytes),
+            measure,
+            patience: Patience::default(),
+            has_begun: false,
+            direction,
+            refusals,
+            refusal: None,
+            is_over: false,
+        }
+    }
+
+    /// Nothing has come of a request: is that for too long?
+    fn poll_late(&mut self, cx: &mut Context<'_>) -> Poll<Status> {
+        if self.direction == Direction::Response {
+            return Poll::Pending;
+        }
+        let (has_begun, Measure { first, idle, .. }) = (self.has_begun, self.measure);
+        let after = if has_begun { idle } else { first };
+        self.patience.poll_over(cx, after).map(|()| too_late(has_begun, after.unwrap_or_default()))
     }
 
     fn end(&mut self, refusal: Status) -> Option<Result<Frame<Bytes>, Status>> {
@@ -64,6 +122,9 @@ impl Metered {
             return Some(Err(refusal));
         }
         let mut trailers = http::HeaderMap::new();
+        if let (Some(refusals), Some(rejected)) = (&self.refusals, Rejected::from_status(&refusal)) {
+            refusals.count(rejected.reason);
+        }
         Some(refusal.add_header(&mut trailers).map(|()| Frame::trailers(trailers)))
     }
 }
@@ -82,10 +143,19 @@ impl http_body::Body for Metered {
         if let Some(refusal) = self.refusal.take() {
             return Poll::Ready(self.end(refusal));
         }
-        let frame = match ready!(Pin::new(&mut self.inner).poll_frame(cx)) {
-            Some(Ok(frame)) => frame,
-            other => return Poll::Ready(other),
+        let frame = match Pin::new(&mut self.inner).poll_frame(cx) {
+            Poll::Ready(Some(Ok(frame))) => frame,
+            Poll::Pending => {
+                let late = ready!(self.poll_late(cx));
+                return Poll::Ready(self.end(late));
+            }
+            over @ Poll::Ready(_) => return over,
         };
+        self.patience.again();
+        self.has_begun = true;
+        if let (Some(refusals), Some(trailers)) = (&self.refusals, frame.trailers_ref()) {
+            count(refusals, trailers);
+        }
         let Some(TooLarge { at, bytes }) = frame.data_ref().and_then(|data| self.meter.pass(data)) else {
             return Poll::Ready(Some(Ok(frame)));
         };
@@ -102,6 +172,24 @@ impl http_body::Body for Metered {
     fn is_end_stream(&self) -> bool {
         self.is_over || (self.refusal.is_none() && self.inner.is_end_stream())
     }
+}
+
+fn too_late(has_begun: bool, after: Duration) -> Status {
+    let seconds = after.as_secs_f64();
+    let rejected = if has_begun {
+        let text = format!(
+            "nothing was said on this stream for {seconds} s: report at least every batch, or raise the server's \
+             idle_deadline, and open again"
+        );
+        Rejected::new(Reason::StreamIdle, text)
+    } else {
+        let text = format!(
+            "the first message did not come within {seconds} s: send it with the call, or raise the server's \
+             first_message_deadline"
+        );
+        Rejected::new(Reason::FirstMessageLate, text)
+    };
+    rejected.with("allowed", seconds).into()
 }
 
 fn too_large(direction: Direction, given: usize, allowed: usize) -> Status {

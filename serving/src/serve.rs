@@ -1,22 +1,23 @@
 use std::convert::Infallible;
 use std::fmt;
 use std::net::SocketAddr;
-use std::time::Duration;
 
 use axum::Router;
+use prost::Message as _;
+use prost_types::FileDescriptorSet;
 use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
 use tonic::body::Body;
 use tonic::codegen::{Service, http};
 use tonic::server::NamedService;
 use tonic::service::{Routes, RoutesBuilder};
-use tonic::transport::server::TcpIncoming;
 use tonic_health::ServingStatus;
 use tonic_health::server::HealthReporter;
-use tower::util::{MapRequestLayer, MapResponseLayer};
+
+use crate::connections::Connections;
+use crate::frame::{frame, transport};
 
 use crate::leaving::{FAREWELL, Leaving};
-use crate::refusals::{of_request, of_response};
 use crate::settings::{Misfits, Settings};
 use crate::side_port::{SidePort, router};
 use crate::telemetry;
@@ -94,8 +95,25 @@ impl Services {
         self
     }
 
-    /// With reflection of exactly what is served, in both versions that tools ask for.
-    fn into_routes<H>(self, health: H) -> Result<Routes, tonic_reflection::server::Error>
+    /// The methods of all services, as `motion.v1.PlannerService/Plan`; none of a schema that cannot be read, which
+    /// reflection says.
+    fn methods(&self) -> Vec<String> {
+        let files = FileDescriptorSet::decode(self.schema).unwrap_or_default().file;
+        let services = files.iter().flat_map(|file| {
+            file.service
+                .iter()
+                .map(move |service| (format!("{}.{}", file.package(), service.name()), service))
+        });
+        services
+            .filter(|(name, _)| self.names.contains(&name.as_str()))
+            .flat_map(|(name, service)| {
+                service.method.iter().map(move |method| format!("{name}/{}", method.name()))
+            })
+            .collect()
+    }
+
+    /// With reflection of exactly what is served, in both versions that tools ask for, where it is asked for.
+    fn into_routes<H>(self, health: H, reflects: bool) -> Result<Routes, tonic_reflection::server::Error>
     where
         H: Service<http::Request<Body>, Response = http::Response<Body>, Error = Infallible>
             + NamedService
@@ -114,6 +132,9 @@ impl Services {
             names.iter().fold(builder, |builder, name| builder.with_service_name(*name))
         };
         routes.add_service(health);
+        if !reflects {
+            return Ok(routes.routes());
+        }
         routes.add_service(reflection().with_service_name(REFLECTION_V1).build_v1()?);
         routes.add_service(reflection().with_service_name(REFLECTION_V1ALPHA).build_v1alpha()?);
         Ok(routes.routes())
@@ -184,15 +205,9 @@ impl Bound {
                 None => std::future::pending().await,
             }
         };
-        let most = settings.max_message_bytes;
-        let server = tonic::transport::Server::builder()
-            .initial_stream_window_size(settings.stream_window_bytes)
-            .initial_connection_window_size(settings.connection_window_bytes)
-            .http2_keepalive_interval(Some(KEEPALIVE_INTERVAL))
-            .http2_keepalive_timeout(Some(KEEPALIVE_TIMEOUT))
-            .layer(MapRequestLayer::new(move |request| of_request(request, most)))
-            .layer(MapResponseLayer::new(move |response| of_response(response, most)))
-            .add_routes(services.into_routes(health_service)?);
+        let incoming = Connections::of(listener, settings.max_connections, settings.keepalive_timeout);
+        let mut server = transport(&settings)?.layer(frame(&settings, services.methods()));
+        let server = server.add_routes(services.into_routes(health_service, settings.reflection)?);
 
         tracing::info!(%address, "serving");
         let gone = CancellationToken::new();
@@ -206,7 +221,6 @@ impl Bound {
                 gone.cancel();
             }
         };
-        let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
         let serving = server.serve_with_incoming_shutdown(incoming, leave);
         let farewell = async {
             gone.cancelled().await;
@@ -233,11 +247,6 @@ async fn tell(health: &HealthReporter, names: &[&str], status: ServingStatus) {
         health.set_service_status(name, status).await;
     }
 }
-
-/// How often a silent connection is asked whether it is still there, and how long it may take to answer: half-open
-/// connections end, and the work for them.
-const KEEPALIVE_INTERVAL: Duration = Duration::from_secs(10);
-const KEEPALIVE_TIMEOUT: Duration = Duration::from_secs(5);
 
 const REFLECTION_V1: &str = "grpc.reflection.v1.ServerReflection";
 const REFLECTION_V1ALPHA: &str = "grpc.reflection.v1alpha.ServerReflection";

@@ -1,3 +1,4 @@
+use client::Connect;
 use serving::{Misfits, Settings};
 
 use crate::models::Models;
@@ -11,11 +12,18 @@ pub struct Config {
     pub models: Models,
     /// The most runs at a time: each has a thread of its own.
     pub max_runs: usize,
+    /// How planners are connected to.
+    pub connect: Connect,
 }
 
 impl Default for Config {
     fn default() -> Self {
-        Self { serving: Settings::on_port(50052), models: Models::default(), max_runs: 64 }
+        Self {
+            serving: Settings::on_port(50052),
+            models: Models::default(),
+            max_runs: 64,
+            connect: Connect::new(),
+        }
     }
 }
 

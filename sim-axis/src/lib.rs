@@ -35,6 +35,7 @@ mod cycle_thread;
 mod delay;
 mod discretise;
 mod encoder;
+mod figures;
 mod friction;
 mod interpolate;
 mod jitter;

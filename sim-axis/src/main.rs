@@ -6,8 +6,9 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
-use serving::{Exit, Settings, seconds, told_to_stop};
+use clap::{CommandFactory as _, Parser, Subcommand};
+use client::Connect;
+use serving::{Arguments, Exit, Flags, Given, Misfits, told_to_stop};
 use sim_axis::{Config, Models, SimAxis};
 
 /// Simulates servo axes that follow streams of setpoints, and tells how well they did, over gRPC.
@@ -15,7 +16,9 @@ use sim_axis::{Config, Models, SimAxis};
 #[command(
     name = "portamento-sim-axis",
     version,
-    after_help = "Example:\n  portamento-sim-axis --listen 127.0.0.1:50052 --model gantry.json"
+    allow_negative_numbers = true,
+    after_help = "Examples:\n  portamento-sim-axis --listen 127.0.0.1:50052 --model gantry.json\n  \
+                  portamento-sim-axis --config deploy/config/sim-axis.toml"
 )]
 struct Args {
     /// Where to listen; port 0 takes any free one.
@@ -25,72 +28,120 @@ struct Args {
         default_value = "127.0.0.1:50052",
         value_name = "ADDRESS:PORT"
     )]
-    listen: SocketAddr,
+    listen: Given<SocketAddr>,
     /// Where to serve HTTP beside gRPC: /healthz, /readyz, /metrics, and pages for people; nowhere by default.
     #[arg(long, env = "PORTAMENTO_SIM_AXIS_HTTP", value_name = "ADDRESS:PORT")]
-    http: Option<SocketAddr>,
-    /// Serve addresses that other machines reach, without encryption.
-    #[arg(long, env = "PORTAMENTO_INSECURE")]
-    insecure: bool,
+    http: Option<Given<SocketAddr>>,
     /// The models of the axes, as JSON: a list of motion.v1.AxisModel, or an answer of GetAxisModel. One with an empty
     /// name is that of every other axis; without one, such axes follow ideally.
     #[arg(long, env = "PORTAMENTO_SIM_AXIS_MODEL", value_name = "FILE.json")]
     model: Option<PathBuf>,
-    /// How long runs may take to end after SIGTERM [s].
-    #[arg(
-        long,
-        env = "PORTAMENTO_DRAIN_DEADLINE",
-        default_value_t = 10.0,
-        value_name = "SECONDS",
-        allow_negative_numbers = true
-    )]
-    drain_deadline: f64,
     /// The most runs at a time.
-    #[arg(long, env = "PORTAMENTO_SIM_AXIS_MAX_RUNS", default_value_t = 64, value_name = "COUNT")]
-    max_runs: usize,
-    /// The largest message that is read or sent [bytes].
-    #[arg(long, env = "PORTAMENTO_MAX_MESSAGE_BYTES", default_value_t = proto::MAX_MESSAGE_BYTES, value_name = "COUNT")]
-    max_message_bytes: usize,
+    #[arg(long, env = "PORTAMENTO_SIM_AXIS_MAX_RUNS", default_value = "64", value_name = "COUNT")]
+    max_runs: Given<usize>,
+    #[command(flatten)]
+    planners: PlannerFlags,
+    #[command(flatten)]
+    flags: Flags,
     #[command(subcommand)]
     command: Option<Command>,
 }
 
-#[derive(Debug, Subcommand)]
+const PLANNERS: &str = "How planners are connected to";
+
+#[derive(Debug, clap::Args)]
+struct PlannerFlags {
+    /// Who vouches for planners: needed where endpoints begin with https://.
+    #[arg(long, env = "PORTAMENTO_TLS_CA", value_name = "FILE.pem", help_heading = PLANNERS)]
+    tls_ca: Option<PathBuf>,
+    /// The certificate that planners know the axis by.
+    #[arg(long, env = "PORTAMENTO_TLS_IDENTITY_CERT", value_name = "FILE.pem", help_heading = PLANNERS)]
+    tls_identity_cert: Option<PathBuf>,
+    /// The key of that certificate.
+    #[arg(long, env = "PORTAMENTO_TLS_IDENTITY_KEY", value_name = "FILE.pem", help_heading = PLANNERS)]
+    tls_identity_key: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, Subcommand)]
 enum Command {
-    /// Ask the simulator at the listen address whether it serves; exit 0 if it does.
+    /// Ask the simulator with these settings whether it serves; exit 0 if it does.
     Healthcheck,
+    /// Print every setting with its unit and default, as a file for --config.
+    Settings,
+}
+
+impl Arguments for Args {
+    fn flags(&self) -> &Flags {
+        &self.flags
+    }
 }
 
 fn main() -> ExitCode {
-    serving::process("portamento-sim-axis", async |args: Args| match args.command {
-        Some(Command::Healthcheck) => serving::healthcheck(args.listen, "motion.v1.SimAxisService").await,
-        None => {
-            let axis = SimAxis::bind(config(args)?).await?;
-            Ok(axis.run(told_to_stop()?).await?)
+    serving::process("portamento-sim-axis", async |args: Args, misfits| {
+        let command = args.command;
+        if let Some(Command::Settings) = command {
+            return serving::print(&serving::settings_file(&Args::command()));
         }
+        let config = config(args, misfits)?;
+        if let Some(Command::Healthcheck) = command {
+            return serving::healthcheck(&config.serving, "motion.v1.SimAxisService").await;
+        }
+        let axis = SimAxis::bind(config).await?;
+        Ok(axis.run(told_to_stop()?).await?)
     })
 }
 
 /// The settings, or everything that is wrong with them.
-fn config(args: Args) -> Result<Config, Exit> {
-    let Args { listen, http, insecure, model, drain_deadline, max_runs, max_message_bytes, command: _ } =
-        args;
-    let settings = Settings { listen, http, insecure, max_message_bytes, ..Settings::on_port(0) };
-    let mut config = Config { serving: settings, max_runs, ..Config::default() };
-    let mut misfits = config.misfits();
-    match seconds(drain_deadline) {
-        Ok(deadline) => config.serving.drain_deadline = deadline,
-        Err(problem) => misfits.note("drain-deadline", problem),
-    }
-    match model.as_deref().map_or(Ok(Models::default()), read_models) {
-        Ok(models) => config.models = models,
-        Err(problem) => misfits.note("model", problem),
-    }
+fn config(args: Args, mut misfits: Misfits) -> Result<Config, Exit> {
+    let Args { listen, http, model, max_runs, planners, flags, command: _ } = args;
+    let serving = flags.settings(listen, http, &mut misfits);
+    let usual = Config::default();
+    let max_runs = max_runs.or_note("max-runs", usual.max_runs, &mut misfits);
+    let models = model.as_deref().map_or(Ok(Models::default()), read_models).unwrap_or_else(|problem| {
+        misfits.note("model", problem);
+        Models::default()
+    });
+    let connect = connect(planners, &mut misfits);
+    let config = Config { serving, models, max_runs, connect };
+    misfits.extend(config.misfits());
     Ok(misfits.into_result(config)?)
+}
+
+fn connect(flags: PlannerFlags, misfits: &mut Misfits) -> Connect {
+    let PlannerFlags { tls_ca, tls_identity_cert, tls_identity_key } = flags;
+    let mut read = |setting, path: Option<PathBuf>| {
+        let path = path?;
+        let problem = |error| format!("{} cannot be read: {error}: name a PEM file", path.display());
+        std::fs::read(&path).map_err(|error| misfits.note(setting, problem(error))).ok()
+    };
+    let names_both = tls_identity_cert.is_some() == tls_identity_key.is_some();
+    let authority = read("tls-ca", tls_ca);
+    let certificate = read("tls-identity-cert", tls_identity_cert);
+    let key = read("tls-identity-key", tls_identity_key);
+    if !names_both {
+        misfits.note("tls-identity-cert", "and tls-identity-key go together: give both, or neither");
+    }
+    let connect = Connect::new();
+    let connect = authority.into_iter().fold(connect, Connect::with_authority);
+    match (certificate, key) {
+        (Some(certificate), Some(key)) => connect.with_identity(certificate, key),
+        _ => connect,
+    }
 }
 
 fn read_models(path: &Path) -> Result<Models, String> {
     let said = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
     let text = std::fs::read_to_string(path).map_err(|error| said(&error))?;
     sim_axis::models_from_json(&text).map_err(|error| said(&error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_defaults_of_flags_and_library_are_the_same() {
+        let args = Args::try_parse_from(["portamento-sim-axis"]).unwrap();
+        assert_eq!(config(args, Misfits::default()), Ok(Config::default()));
+    }
 }

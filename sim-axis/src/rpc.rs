@@ -8,15 +8,17 @@ mod streams;
 
 use std::sync::Arc;
 
+use client::Connect;
 use proto::pb::run_tracking_response::Message;
 use proto::pb::sim_axis_service_server::{SimAxisService, SimAxisServiceServer};
 use proto::{Reason, Rejected, pb};
-use serving::Leaving;
+use serving::{Caller, Leaving};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
 use crate::config::Config;
+use crate::figures::Figures;
 use crate::models::{InvalidModels, Models};
 use crate::run::{Tracking, Update};
 
@@ -38,16 +40,20 @@ pub(crate) struct Axes {
     runs: Arc<Semaphore>,
     max_runs: usize,
     streams: Streams,
+    connect: Connect,
     leaving: Leaving,
 }
 
 /// The service for `config`, which takes no new run once the process is leaving.
 pub(crate) fn service(config: &Config, leaving: Leaving) -> Face {
+    // Figures are there from the beginning, so that the first increase of each is seen.
+    drop(Figures::resolve());
     let axes = Axes {
         models: Arc::new(config.models.clone()),
         runs: Arc::new(Semaphore::new(config.max_runs.min(Semaphore::MAX_PERMITS))),
         max_runs: config.max_runs,
         streams: Streams::default(),
+        connect: config.connect.clone(),
         leaving,
     };
     // The frame refuses larger ones, with a reason; below it nothing else is to.
@@ -103,9 +109,12 @@ impl SimAxisService for Axes {
         request: Request<pb::RunTrackingRequest>,
     ) -> Result<Response<Self::RunTrackingStream>, Status> {
         let permit = self.begin_run()?;
+        let caller = Caller::of(&request);
         let request = request.into_inner();
+        caller.may_use(&request.stream)?;
         let named: Vec<String> = request.models.iter().map(|model| model.axis.clone()).collect();
-        let request = request::track_request(request, &self.models)?;
+        let mut request = request::track_request(request, &self.models)?;
+        request.connect = self.connect.clone();
         let stream = request.stream.clone();
         let tracking = Tracking::begin(request).await.map_err(|error| refusal::of(error, &named))?;
         let (sender, receiver) = mpsc::channel(AHEAD);
@@ -130,12 +139,13 @@ impl SimAxisService for Axes {
         &self,
         request: Request<pb::CommandRequest>,
     ) -> Result<Response<pb::CommandResponse>, Status> {
+        let caller = Caller::of(&request);
         let pb::CommandRequest { stream, operation } = request.into_inner();
         let operation = operation.ok_or_else(|| {
             let text = "is not set: say what to do, as hold or resume";
             Rejected::for_field("operation", Reason::FieldMissing, text)
         })?;
-        let result = self.streams.commander_of(&stream)?.operate(operation.into()).await?;
+        let result = self.streams.commander_of(&stream, &caller)?.operate(operation.into()).await?;
         Ok(Response::new(pb::CommandResponse { result: Some(result.into()) }))
     }
 

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime};
 
 use client::failover::{Change, DEFAULT_PATIENCE, Failure, News};
-use client::{Buffer, Next, Standing, Uplink};
+use client::{Buffer, Connect, Next, Standing, Uplink};
 use planner::{Accepted, AxisKind, Setpoint};
 use proto::Digest;
 use proto::stream::{
@@ -19,6 +19,7 @@ use crate::axis::{Axis, AxisConfig, InvalidConfig};
 use crate::clock::Clock;
 use crate::commands::{Answered, Command, Commander, Waiting, commander};
 use crate::cycle_thread::{Fed, Feed, Outcome, Outside, ReportRing, SampleRing, Word, spawn};
+use crate::figures::Figures;
 use crate::jitter::Jitter;
 use crate::model::AxisModel;
 use crate::monitor::ReportCard;
@@ -49,6 +50,8 @@ pub struct TrackRequest {
     pub stay_open: bool,
     /// Take a plan that does not guarantee velocity and acceleration?
     pub accept_unproved: bool,
+    /// How planners are connected to.
+    pub connect: Connect,
     /// How long a planner that goes on is looked for, once there is none.
     pub patience: Duration,
 }
@@ -80,6 +83,7 @@ impl TrackRequest {
             settle_tolerance: None,
             stay_open: false,
             accept_unproved: false,
+            connect: Connect::new(),
             patience: DEFAULT_PATIENCE,
         }
     }
@@ -257,6 +261,7 @@ impl Tracking {
         let open = open_of(&request);
         let cycle = request.plan.plan().cycle_time();
         let mut uplink = Uplink::new(request.endpoints.clone(), open.clone(), cycle, request.patience);
+        uplink.connect_by(request.connect.clone());
         let Opened { motion, served_by, .. } = opened(&mut uplink).await?;
         let player = player(&open, axes, &motion, &uplink);
         let (commander, commands) = commander();
@@ -417,8 +422,16 @@ async fn carry(
     let nobody = teller.clone();
     let failovers = AtomicU64::new(0);
     let watched = WatchedBy::default();
-    let stream =
-        Stream { uplink, reports, commands, waiting: &waiting, events, failovers: &failovers, watched: &watched };
+    let stream = Stream {
+        uplink,
+        reports,
+        commands,
+        waiting: &waiting,
+        events,
+        failovers: &failovers,
+        figures: Figures::resolve(),
+        watched: &watched,
+    };
     let mut streaming = Box::pin(stream.carry(&mut feed));
     let mut telling = Box::pin(tell(samples, event_queue, teller, (clock, &watched)));
     let mut outcome = std::pin::pin!(outcome);
@@ -497,6 +510,7 @@ struct Stream<'a> {
     waiting: &'a Waiting,
     events: mpsc::Sender<Update>,
     failovers: &'a AtomicU64,
+    figures: Figures,
     watched: &'a WatchedBy,
 }
 
@@ -543,6 +557,7 @@ impl Stream<'_> {
                 let Change { cause, from, to, executed_cycle, took } = &change;
                 let cause = cause.name();
                 tracing::info!(cause, from, to, executed_cycle, took_ms = took.as_millis(), "failed over");
+                self.figures.failed_over(change.cause);
                 self.failovers.fetch_add(1, Ordering::Relaxed);
                 drop(self.events.try_send(Update::FailedOver(change)));
             }
@@ -561,6 +576,7 @@ impl Stream<'_> {
         }
         self.reports.thread.wake();
         if let Some(Word { mut report, heeded }) = newest {
+            self.figures.report(&report);
             report.tracking = self.watched.take();
             self.uplink.report(report, heeded);
         }
@@ -588,6 +604,7 @@ async fn tell(
     teller: mpsc::Sender<Update>,
     (clock, watched): (Clock, &WatchedBy),
 ) {
+    let figures = Figures::resolve();
     let mut queue = VecDeque::new();
     let mut has_events = true;
     let mut lost = 0_u64;
@@ -595,9 +612,12 @@ async fn tell(
         let done = ring.full.is_abandoned();
         while clock == Clock::Wall || queue.len() < WAITING {
             let Ok(mut chunk) = ring.full.pop() else { break };
-            let read = chunk.read();
-            watched.put(&read.tracking);
-            queue.push_back(Update::Samples(read));
+            let samples = chunk.read();
+            watched.put(&samples.tracking);
+            if clock == Clock::Wall {
+                figures.lateness(&samples.tracking.cycle_jitter_ns);
+            }
+            queue.push_back(Update::Samples(samples));
             chunk.clear();
             // There are as many places as chunks.
             let _ = ring.empty.push(chunk);

@@ -7,17 +7,23 @@
     reason = "a test may fail by panicking, and compares bits on purpose"
 )]
 
+mod attacked;
+mod bad_fields;
 mod bad_plans;
 mod bad_streams;
+mod browser;
 mod families;
 mod large_messages;
+mod limits;
 mod operations;
 mod plan_then_stream;
 mod pvt;
 mod rehearsed;
 mod rehearsed_paths;
+mod secured;
 mod side_port;
 mod standing_services;
 mod synchronised;
+mod told;
 mod tracking;
 mod watching;

@@ -379,7 +379,10 @@ async fn bad_tables_are_refused_with_the_exact_place() {
 
 #[tokio::test]
 async fn more_points_than_the_server_takes_are_refused_by_number() {
-    let config = server::Config { max_pvt_points: 31, ..server::Config::loopback() };
+    let config = server::Config {
+        limits: server::Limits { pvt_points: 31, ..server::Limits::default() },
+        ..server::Config::loopback()
+    };
     let server = Loopback::with(config).await;
     let client = server.client().await;
     let Err(Error::Rejected(rejected)) =

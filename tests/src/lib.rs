@@ -6,10 +6,12 @@
     reason = "helpers of tests fail by panicking"
 )]
 
+mod certificates;
 mod rig;
 
 use std::net::SocketAddr;
 
+pub use certificates::{Authority, Identity};
 use client::Client;
 use planner::{
     Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, ShortPathPolicy, State,
@@ -53,6 +55,12 @@ impl Loopback {
             server.run(stop).await.expect("served");
         });
         Self { address, http, stop: Some(stop), serving }
+    }
+
+    /// Where it is, for those who come with encryption; certificates name this machine as `localhost`.
+    #[must_use]
+    pub fn secure_endpoint(&self) -> String {
+        format!("https://localhost:{}", self.address.port())
     }
 
     /// Where it is.
@@ -128,6 +136,12 @@ impl LoopbackAxis {
             axis.run(stop).await.expect("served");
         });
         Self { address, http, stop: Some(stop), serving }
+    }
+
+    /// Where it is, for those who come with encryption; certificates name this machine as `localhost`.
+    #[must_use]
+    pub fn secure_endpoint(&self) -> String {
+        format!("https://localhost:{}", self.address.port())
     }
 
     /// Where it is.

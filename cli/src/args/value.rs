@@ -4,11 +4,8 @@ use std::path::PathBuf;
 
 /// The address of a server, as far as it can be told without asking there.
 pub(super) fn endpoint(text: &str) -> Result<String, String> {
-    let wanted = "give http://HOST:PORT, as http://127.0.0.1:50051";
-    let authority = text.strip_prefix("http://").ok_or_else(|| match text.starts_with("https://") {
-        true => format!("encryption is not implemented: {wanted}"),
-        false => wanted.to_owned(),
-    })?;
+    let wanted = "give http://HOST:PORT or https://HOST:PORT, as http://127.0.0.1:50051";
+    let authority = text.strip_prefix("http://").or_else(|| text.strip_prefix("https://")).ok_or(wanted)?;
     let authority = authority.strip_suffix('/').unwrap_or(authority);
     let (host, port) = match authority.rsplit_once(':') {
         Some((host, port)) if !port.ends_with(']') => (host, Some(port)),
@@ -76,7 +73,7 @@ mod tests {
             assert_eq!(endpoint(text), Ok(text.to_owned()));
         }
         let bad =
-            ["foo bar", "localhost:50051", "http://", "http://a b:1", "http://h:99999", "https://h:1", ""];
+            ["foo bar", "localhost:50051", "http://", "http://a b:1", "http://h:99999", "ftp://h:1", ""];
         for text in bad {
             assert!(endpoint(text).is_err_and(|why| why.contains("http://127.0.0.1:50051")), "{text}");
         }

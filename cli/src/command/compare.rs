@@ -9,19 +9,15 @@ use crate::args::CompareArgs;
 use crate::command::plan::in_flags;
 use crate::failure::Failure;
 use crate::law::Law;
-use crate::service::Service;
+use crate::service::{Server, Service};
 use crate::show::compared::{self, Compared, Curves};
 use crate::show::paint::Screen;
 use crate::show::plot;
 use crate::source;
 
 /// `portamento compare`
-pub(crate) fn run(
-    args: &CompareArgs,
-    endpoint: Option<&str>,
-    screen: &mut Screen<'_>,
-) -> Result<(), Failure> {
-    let service = Service::open(endpoint)?;
+pub(crate) fn run(args: &CompareArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
+    let service = Service::open(server)?;
     let model = match &args.model {
         Some(path) => source::axis_model(path)?,
         None => linear_motor(),

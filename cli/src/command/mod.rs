@@ -22,6 +22,7 @@ use clap::Parser as _;
 
 use crate::args::{Cli, Command};
 use crate::failure::Failure;
+use crate::service::Server;
 use crate::show::paint::{Paint, Screen};
 
 /// Reads the command line, does what it says, tells what went wrong; returns the exit code.
@@ -34,29 +35,36 @@ pub(crate) fn run() -> u8 {
     let json = global.json;
     let mut screen = Screen { out: &mut out, notes: &mut notes, paint, notes_paint, json };
     let endpoint = global.endpoint.as_deref();
-    let done = match &command {
-        Command::Demo(_) if endpoint.is_some() => Err(Failure::Usage(
-            "demo runs its own server in this process: leave --endpoint out, or use plan and track"
-                .to_owned(),
-        )),
-        Command::Demo(args) => demo::run(args, &mut screen),
-        Command::Init(args) => init::run(args, &mut screen),
-        Command::Plan(args) => plan::run(args, endpoint, &mut screen),
-        Command::Pvt(args) => pvt::run(args, endpoint, &mut screen),
-        Command::Compare(args) => compare::run(args, endpoint, &mut screen),
-        Command::Verify(args) => verify::run(args, endpoint, &mut screen),
-        Command::Diff(args) => diff::run(args, &mut screen),
-        Command::Sample(args) => sample::run(args, endpoint, &mut screen),
-        Command::Track(args) => track::run(args, endpoint, &mut screen),
-        Command::Operate(args) => operate::run(args, &mut screen),
-        Command::Replay(args) => replay::run(args, &mut screen),
-        Command::Watch(args) => watch::run(args, endpoint, &mut screen),
-        Command::Explain(args) => explain::run(args, &mut screen),
-    };
+    let done = global.encryption.connect().and_then(|connect| {
+        let server = Server { endpoint, connect: &connect };
+        execute(&command, server, &mut screen)
+    });
     let done = done.and_then(|()| screen.out.flush().map_err(Failure::from));
     let Err(failure) = done else { return 0 };
     // What was printed before the failure comes before its message. Where neither can be written, nobody listens.
     let _ = screen.out.flush();
     let _ = screen.tell(&failure);
     failure.exit_code()
+}
+
+fn execute(command: &Command, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
+    match command {
+        Command::Demo(_) if server.endpoint.is_some() => Err(Failure::Usage(
+            "demo runs its own server in this process: leave --endpoint out, or use plan and track"
+                .to_owned(),
+        )),
+        Command::Demo(args) => demo::run(args, screen),
+        Command::Init(args) => init::run(args, screen),
+        Command::Plan(args) => plan::run(args, server, screen),
+        Command::Pvt(args) => pvt::run(args, server, screen),
+        Command::Compare(args) => compare::run(args, server, screen),
+        Command::Verify(args) => verify::run(args, server, screen),
+        Command::Diff(args) => diff::run(args, screen),
+        Command::Sample(args) => sample::run(args, server, screen),
+        Command::Track(args) => track::run(args, server, screen),
+        Command::Operate(args) => operate::run(args, server, screen),
+        Command::Replay(args) => replay::run(args, screen),
+        Command::Watch(args) => watch::run(args, server, screen),
+        Command::Explain(args) => explain::run(args, screen),
+    }
 }

@@ -9,11 +9,12 @@ use sim_axis::RemoteAxis;
 
 use crate::args::{CommandArgs, Order};
 use crate::failure::Failure;
+use crate::service::Server;
 use crate::show::paint::{Screen, wrapped};
 use crate::source::PointTable;
 
 /// `portamento command`
-pub(crate) fn run(args: &CommandArgs, screen: &mut Screen<'_>) -> Result<(), Failure> {
+pub(crate) fn run(args: &CommandArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
     let operation = Operation {
         request_id: args.request_id.clone().unwrap_or_else(fresh_id),
         not_before_cycle: args.not_before,
@@ -22,7 +23,7 @@ pub(crate) fn run(args: &CommandArgs, screen: &mut Screen<'_>) -> Result<(), Fai
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let runtime = runtime.map_err(|error| Failure::Internal(error.to_string()))?;
     let result = runtime.block_on(async {
-        let axis = RemoteAxis::connect(&args.axis).await?;
+        let axis = RemoteAxis::connect_by(server.connect, &args.axis).await?;
         axis.command(&args.stream, operation).await
     })?;
     if screen.json {

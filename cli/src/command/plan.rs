@@ -1,14 +1,14 @@
 use crate::args::{self, PlanArgs};
 use crate::command::batch;
 use crate::failure::Failure;
-use crate::service::Service;
+use crate::service::{Server, Service};
 use crate::show::paint::Screen;
 use crate::show::{json, plot, table};
 use crate::source::{self, Line};
 
 /// `portamento plan`
-pub(crate) fn run(args: &PlanArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
-    let service = Service::open(endpoint)?;
+pub(crate) fn run(args: &PlanArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
+    let service = Service::open(server)?;
     if let Some(path) = &args.batch {
         return batch::run(path, &service, Line::request, json::plan_response, screen);
     }

@@ -6,17 +6,17 @@ use crate::command::plan::in_flags;
 use crate::command::{batch, follow};
 use crate::failure::Failure;
 use crate::law::Law;
-use crate::service::Service;
+use crate::service::{Server, Service};
 use crate::show::paint::Screen;
 use crate::show::{json, plot, points};
 use crate::source::{self, Line, PointTable};
 
 /// `portamento pvt`
-pub(crate) fn run(args: &PvtArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
+pub(crate) fn run(args: &PvtArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
     if args.follow {
         return follow::run(args, screen);
     }
-    let service = Service::open(endpoint)?;
+    let service = Service::open(server)?;
     if let Some(path) = &args.batch {
         return batch::run(path, &service, Line::pvt_request, json::pvt_response, screen);
     }

@@ -6,15 +6,15 @@ use proto::Digest;
 
 use crate::args::SampleArgs;
 use crate::failure::Failure;
-use crate::service::Service;
+use crate::service::{Server, Service};
 use crate::show::paint::Screen;
 use crate::show::{csv, json};
 use crate::source;
 
 /// `portamento sample`
-pub(crate) fn run(args: &SampleArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
+pub(crate) fn run(args: &SampleArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
     let plan = source::plan(&args.source.plan)?;
-    let service = Service::open(endpoint)?;
+    let service = Service::open(server)?;
     let names: Vec<String> = plan.axes().iter().map(|axis| axis.axis.clone()).collect();
     let cycle_time = plan.cycle_time();
     let mut file: Option<File> = None;

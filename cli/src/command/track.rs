@@ -5,6 +5,7 @@ use crate::args::TrackArgs;
 use crate::command::demo::draw;
 use crate::failure::Failure;
 use crate::record::Record;
+use crate::service::Server;
 use crate::show::paint::Screen;
 use crate::show::watch::Watch;
 use crate::show::{json, report};
@@ -14,7 +15,7 @@ use crate::source;
 const USUAL_AXIS: &str = "http://127.0.0.1:50052";
 
 /// `portamento track`
-pub(crate) fn run(args: &TrackArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
+pub(crate) fn run(args: &TrackArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
     let plan = source::plan(&args.source.plan)?;
     let judged = Judged::new(plan);
     let plan = judged.clone().accepted().map_err(Failure::refused)?;
@@ -32,7 +33,7 @@ pub(crate) fn run(args: &TrackArgs, endpoint: Option<&str>, screen: &mut Screen<
     let (report, tracked) = runtime.block_on(async {
         let mut record = Record::begin(args.record.as_deref(), &args.stream, &judged)?;
         let mut watch = Watch::new(judged.plan(), request.settle_window, args.plot.is_some());
-        let axis = RemoteAxis::connect(endpoint.unwrap_or(USUAL_AXIS)).await?;
+        let axis = RemoteAxis::connect_by(server.connect, server.endpoint.unwrap_or(USUAL_AXIS)).await?;
         let mut run = axis.track(request).await?;
         while let Some(update) = run.next().await? {
             record.update(&update)?;

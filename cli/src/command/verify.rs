@@ -2,17 +2,17 @@ use planner::Field;
 
 use crate::args::VerifyArgs;
 use crate::failure::Failure;
-use crate::service::Service;
+use crate::service::{Server, Service};
 use crate::show::paint::Screen;
 use crate::show::{json, table};
 use crate::source;
 
 /// `portamento verify`
-pub(crate) fn run(args: &VerifyArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
+pub(crate) fn run(args: &VerifyArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
     let (plan, mut misstated) = source::plan_as_it_is(&args.source.plan)?;
     misstated.extend_within(&Field::default(), proto::misclassified(&plan));
     let against = args.against.as_deref().map(source::against).transpose()?;
-    let certificate = Service::open(endpoint)?.verify(&plan, against.unwrap_or_default())?;
+    let certificate = Service::open(server)?.verify(&plan, against.unwrap_or_default())?;
     let honest = misstated.is_empty();
     if screen.json && (honest || !certificate.passed()) {
         writeln!(screen.out, "{}", json::verify_response(&certificate)?)?;

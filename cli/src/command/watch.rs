@@ -1,12 +1,13 @@
 use std::collections::HashSet;
 use std::time::Duration;
 
-use client::{Client, Watching};
+use client::Watching;
 use proto::pb;
 use proto::stream::{Phase, Watch, Watched};
 
 use crate::args::WatchArgs;
 use crate::failure::Failure;
+use crate::service::Server;
 use crate::show::number::plain;
 use crate::show::paint::{Screen, clean};
 
@@ -16,13 +17,13 @@ const USUAL_SERVER: &str = "http://127.0.0.1:50051";
 const LOOK: Duration = Duration::from_secs(1);
 
 /// `portamento watch`
-pub(crate) fn run(args: &WatchArgs, endpoint: Option<&str>, screen: &mut Screen<'_>) -> Result<(), Failure> {
+pub(crate) fn run(args: &WatchArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
     let watch = asked(args)?;
-    let endpoint = endpoint.unwrap_or(USUAL_SERVER);
+    let endpoint = server.endpoint.unwrap_or(USUAL_SERVER);
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let runtime = runtime.map_err(|error| Failure::Internal(error.to_string()))?;
     runtime.block_on(async {
-        let mut watching = Client::connect(endpoint).await?.watch(watch).await?;
+        let mut watching = server.connect.to(endpoint).await?.watch(watch).await?;
         if args.stream.is_none() && !screen.json {
             head(screen)?;
         }

@@ -26,28 +26,28 @@ pub(super) fn routes() -> Router<Console> {
 }
 
 async fn plan(State(console): State<Console>, body: Bytes) -> Response {
-    let answer = async { console.planner.plan(read(&body)?).await };
+    let answer = async { console.planner.plan(console.admits("PlannerService/Plan", read(&body)?)?).await };
     write(answer.await)
 }
 
 async fn plan_pvt(State(console): State<Console>, body: Bytes) -> Response {
-    let answer = async { console.planner.plan_pvt(read(&body)?).await };
+    let answer = async { console.planner.plan_pvt(console.admits("PlannerService/PlanPvt", read(&body)?)?).await };
     write(answer.await)
 }
 
 async fn verify(State(console): State<Console>, body: Bytes) -> Response {
-    let answer = async { console.planner.verify_plan(read(&body)?).await };
+    let answer = async { console.planner.verify_plan(console.admits("PlannerService/VerifyPlan", read(&body)?)?).await };
     write(answer.await)
 }
 
 async fn control(State(console): State<Console>, body: Bytes) -> Response {
-    let answer = async { console.setpoints.control_stream(read(&body)?).await };
+    let answer = async { console.setpoints.control_stream(console.admits("SetpointService/ControlStream", read(&body)?)?).await };
     write(answer.await)
 }
 
 /// A line of JSON for each message.
 async fn sample(State(console): State<Console>, body: Bytes) -> Response {
-    let answer = async { console.planner.sample_plan(read(&body)?).await };
+    let answer = async { console.planner.sample_plan(console.admits("PlannerService/SamplePlan", read(&body)?)?).await };
     let samples = match answer.await {
         Ok(samples) => samples.into_inner(),
         Err(status) => return refused(&status),
@@ -58,6 +58,15 @@ async fn sample(State(console): State<Console>, body: Bytes) -> Response {
             .map(|line| Bytes::from(line + "\n"))
     });
     ([(header::CONTENT_TYPE, "application/x-ndjson")], Body::from_stream(lines)).into_response()
+}
+
+impl Console {
+    /// The request as one of whoever comes here, if he may ask it.
+    pub(super) fn admits<T>(&self, method: &str, mut request: Request<T>) -> Result<Request<T>, Status> {
+        self.caller.may_call(&format!("motion.v1.{method}"))?;
+        request.extensions_mut().insert(self.caller.clone());
+        Ok(request)
+    }
 }
 
 fn read<T: Message + Name + Default>(body: &[u8]) -> Result<Request<T>, Status> {

@@ -16,7 +16,7 @@ use tokio_stream::{Stream, StreamExt as _};
 use tonic::Status;
 
 use super::{Console, api};
-use crate::watch::{watch_all, watch_stream};
+use crate::watch::{Visitor, watch_all, watch_stream};
 
 /// Streams that one connection shows.
 const MOST_STREAMS: usize = 64;
@@ -31,14 +31,18 @@ pub(super) async fn watch(State(console): State<Console>, RawQuery(query): RawQu
         Ok(asked) => asked,
         Err(rejected) => return events(tokio_stream::once(refused(rejected))),
     };
-    let Console { board, leaving, .. } = console;
+    if let Err(rejected) = console.caller.may_call("motion.v1.SetpointService/WatchStream") {
+        return events(tokio_stream::once(refused(rejected)));
+    }
+    let Console { board, leaving, caller, .. } = console;
     let (sender, receiver) = mpsc::channel(AHEAD * names.len().max(4));
     if names.is_empty() {
-        tokio::spawn(watch_all(board, watch, sender, leaving));
+        tokio::spawn(watch_all(board, watch, Visitor { caller, outgoing: sender, leaving }));
     } else {
+        let visitor = Visitor { caller, outgoing: sender, leaving };
         for name in names {
             let watch = Watch { stream: Some(name), ..watch.clone() };
-            tokio::spawn(watch_stream(board.clone(), watch, sender.clone(), leaving.clone()));
+            tokio::spawn(watch_stream(board.clone(), watch, visitor.clone()));
         }
     }
     let told = ReceiverStream::new(receiver).map(|shown| match shown {

@@ -13,7 +13,7 @@ mod api;
 mod events;
 mod guard;
 
-use serving::Leaving;
+use serving::{Caller, Leaving};
 use serving::axum::Router;
 use serving::axum::extract::DefaultBodyLimit;
 use serving::axum::http::header;
@@ -55,6 +55,8 @@ pub(crate) struct Console {
     pub(crate) setpoints: Setpoints,
     pub(crate) board: Board,
     pub(crate) leaving: Leaving,
+    /// Nobody who comes here says who he is: he may what the policy grants to those without a name.
+    pub(crate) caller: Caller,
 }
 
 impl Console {

@@ -1,29 +1,34 @@
+use std::time::Instant;
+
 use ::planner::{Judged, certify, certify_against};
 use proto::pb::planner_service_server::PlannerService;
 use proto::{Rejected, pb, plan_as_it_is_in, plan_request_from_wire, plan_to_wire, within};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
-use super::{aside, plan_pvt, sample};
-use crate::Config;
+use super::{Aside, plan_pvt, sample};
+use crate::figures::Figures;
+use crate::limits::Limits;
 
 /// `PlannerService`: stateless, so any replica answers any call with the same bytes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Planner {
-    max_pvt_points: usize,
-    max_sample_cycles: u64,
+    limits: Limits,
+    figures: Figures,
+    aside: Aside,
 }
 
 impl Planner {
-    pub(crate) fn new(config: &Config) -> Self {
-        let &Config { max_pvt_points, max_sample_cycles, .. } = config;
-        Self { max_pvt_points, max_sample_cycles }
+    pub(crate) fn new(limits: Limits, figures: Figures) -> Self {
+        Self { limits, figures, aside: Aside::new() }
     }
 }
 
-fn plan(wire: pb::PlanRequest) -> Result<pb::PlanResponse, Rejected> {
+fn plan(wire: pb::PlanRequest, figures: &Figures) -> Result<pb::PlanResponse, Rejected> {
     let request = plan_request_from_wire(wire)?;
+    let begun = Instant::now();
     let judged = Judged::answer(&request)?;
+    figures.planned(request.family(), begun.elapsed());
     Ok(pb::PlanResponse { plan: Some(plan_to_wire(&judged)) })
 }
 
@@ -56,19 +61,24 @@ fn is_long(plan: Option<&pb::Plan>) -> bool {
 #[tonic::async_trait]
 impl PlannerService for Planner {
     async fn plan(&self, request: Request<pb::PlanRequest>) -> Result<Response<pb::PlanResponse>, Status> {
-        Ok(Response::new(plan(request.into_inner())?))
+        let wire = request.into_inner();
+        self.limits.admit_axes("axes", wire.axes.len())?;
+        Ok(Response::new(plan(wire, &self.figures)?))
     }
 
     async fn plan_pvt(
         &self,
         request: Request<pb::PlanPvtRequest>,
     ) -> Result<Response<pb::PlanPvtResponse>, Status> {
-        let (wire, most) = (request.into_inner(), self.max_pvt_points);
+        let (wire, most) = (request.into_inner(), self.limits.pvt_points);
+        self.limits.admit_axes("axes", wire.axes.len())?;
+        let begun = Instant::now();
         let response = if plan_pvt::is_long(&wire) {
-            aside(move || plan_pvt::plan(wire, most)).await?
+            self.aside.run(move || plan_pvt::plan(wire, most)).await?
         } else {
             plan_pvt::plan(wire, most)?
         };
+        self.figures.planned_pvt(begun.elapsed());
         Ok(Response::new(response))
     }
 
@@ -77,8 +87,12 @@ impl PlannerService for Planner {
         request: Request<pb::VerifyPlanRequest>,
     ) -> Result<Response<pb::VerifyPlanResponse>, Status> {
         let wire = request.into_inner();
-        let response =
-            if is_long(wire.plan.as_ref()) { aside(move || verify(wire)).await? } else { verify(wire)? };
+        self.limits.admit_plan(wire.plan.as_ref())?;
+        let response = if is_long(wire.plan.as_ref()) {
+            self.aside.run(move || verify(wire)).await?
+        } else {
+            verify(wire)?
+        };
         Ok(Response::new(response))
     }
 
@@ -88,9 +102,10 @@ impl PlannerService for Planner {
         &self,
         request: Request<pb::SamplePlanRequest>,
     ) -> Result<Response<Self::SamplePlanStream>, Status> {
-        let (wire, most) = (request.into_inner(), self.max_sample_cycles);
+        let (wire, most) = (request.into_inner(), self.limits.sample_cycles);
+        self.limits.admit_plan(wire.plan.as_ref())?;
         let sampling = if is_long(wire.plan.as_ref()) {
-            aside(move || sample::sampling(wire, most)).await?
+            self.aside.run(move || sample::sampling(wire, most)).await?
         } else {
             sample::sampling(wire, most)?
         };

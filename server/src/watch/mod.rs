@@ -25,4 +25,4 @@ mod watcher;
 
 pub(crate) use board::Board;
 pub(crate) use tap::Tap;
-pub(crate) use watcher::{watch_all, watch_stream};
+pub(crate) use watcher::{Visitor, watch_all, watch_stream};

@@ -2,7 +2,7 @@ use std::sync::atomic::Ordering;
 
 use proto::stream::{StreamEvent, Watch, Watched};
 use proto::{Reason, Rejected};
-use serving::Leaving;
+use serving::{Caller, Leaving};
 use tokio::sync::mpsc;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval};
 
@@ -13,12 +13,24 @@ use super::rows::Rows;
 /// Where messages go.
 type Outgoing = mpsc::Sender<Result<Watched, Rejected>>;
 
+/// Who looks on.
+#[derive(Clone, Debug)]
+pub(crate) struct Visitor {
+    /// And what he may see.
+    pub(crate) caller: Caller,
+    /// Where he is told.
+    pub(crate) outgoing: Outgoing,
+    /// Until when at the latest.
+    pub(crate) leaving: Leaving,
+}
+
 /// Shows one stream until it ends, or nobody looks. Where the axis opens it again here, under a newer epoch, it goes on.
-pub(crate) async fn watch_stream(board: Board, watch: Watch, outgoing: Outgoing, leaving: Leaving) {
+pub(crate) async fn watch_stream(board: Board, watch: Watch, visitor: Visitor) {
+    let Visitor { caller, outgoing, leaving } = visitor;
     let name = watch.stream.clone().unwrap_or_default();
     let mut ticks = ticks(&watch);
     let mut dropped = 0;
-    let mut found = board.find(&name);
+    let mut found = caller.may_use(&name).and_then(|()| board.find(&name));
     loop {
         let mut watching = match found {
             Ok(hub) => hub.watch(),
@@ -133,7 +145,8 @@ impl View {
 /// Shows how all streams stand, again and again, until nobody looks or the server is told to leave.
 ///
 /// A reader who does not keep up skips rounds, which are counted: what it gets is how the streams stand now.
-pub(crate) async fn watch_all(board: Board, watch: Watch, outgoing: Outgoing, leaving: Leaving) {
+pub(crate) async fn watch_all(board: Board, watch: Watch, visitor: Visitor) {
+    let Visitor { caller, outgoing, leaving } = visitor;
     let mut ticks = ticks(&watch);
     let (mut dropped, mut last) = (0_u64, None::<Instant>);
     loop {
@@ -150,7 +163,7 @@ pub(crate) async fn watch_all(board: Board, watch: Watch, outgoing: Outgoing, le
             let rounds = (now - last).as_nanos() / watch.period.as_nanos().max(1);
             dropped += u64::try_from(rounds.saturating_sub(1)).unwrap_or(u64::MAX);
         }
-        for hub in board.all() {
+        for hub in board.all().into_iter().filter(|hub| caller.sees(&hub.stream)) {
             if outgoing.send(Ok(hub.message(hub.summary(), dropped))).await.is_err() {
                 return;
             }

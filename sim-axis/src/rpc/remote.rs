@@ -1,10 +1,11 @@
 //! An axis simulator elsewhere, seen from whoever asks it to follow a plan.
 
-use client::{Error, address};
+use client::{Connect, Error, Traced};
 use proto::pb::run_tracking_response::Message;
 use proto::pb::sim_axis_service_client::SimAxisServiceClient;
 use proto::stream::{Operation, OperationResult};
 use proto::{MAX_MESSAGE_BYTES, Rejected, pb, plan_to_wire};
+use tonic::service::interceptor::InterceptedService;
 use tonic::transport::Channel;
 use tonic::{Status, Streaming};
 
@@ -16,7 +17,7 @@ use crate::run::{TrackRequest, TrackingReport, Update};
 #[derive(Clone, Debug)]
 pub struct RemoteAxis {
     endpoint: String,
-    service: SimAxisServiceClient<Channel>,
+    service: SimAxisServiceClient<InterceptedService<Channel, Traced>>,
 }
 
 /// A run on an axis simulator elsewhere. Dropping it ends the run.
@@ -33,9 +34,17 @@ impl RemoteAxis {
     /// # Errors
     /// [`Error::Address`] where the address is none, [`Error::Unreachable`] where nobody answers.
     pub async fn connect(endpoint: &str) -> Result<Self, Error> {
-        let address = address(endpoint)?.tcp_nodelay(true);
-        let channel = address.connect().await.map_err(|error| Error::unreachable(endpoint, &error))?;
-        let service = SimAxisServiceClient::new(channel).max_decoding_message_size(MAX_MESSAGE_BYTES);
+        Self::connect_by(&Connect::new(), endpoint).await
+    }
+
+    /// The same, with encryption.
+    ///
+    /// # Errors
+    /// Those of [`Connect::to`].
+    pub async fn connect_by(connect: &Connect, endpoint: &str) -> Result<Self, Error> {
+        let channel = connect.channel(endpoint).await?;
+        let service = SimAxisServiceClient::with_interceptor(channel, Traced);
+        let service = service.max_decoding_message_size(MAX_MESSAGE_BYTES);
         Ok(Self { endpoint: endpoint.into(), service })
     }
 
@@ -124,9 +133,12 @@ fn to_wire(request: TrackRequest) -> pb::RunTrackingRequest {
         settle_tolerance,
         stay_open,
         accept_unproved,
+        // How this side is connected to is no matter of the other's.
+        connect: _,
         patience,
     } = request;
-    let duration = |ns: i64| prost_types::Duration { seconds: ns / 1_000_000_000, nanos: (ns % 1_000_000_000) as i32 };
+    let duration =
+        |ns: i64| prost_types::Duration { seconds: ns / 1_000_000_000, nanos: (ns % 1_000_000_000) as i32 };
     pb::RunTrackingRequest {
         stream,
         endpoints,

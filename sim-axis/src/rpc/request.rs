@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use client::Connect;
 use client::failover::DEFAULT_PATIENCE;
 use planner::{AxisKind, Plan, wrong_name};
 use proto::stream::{DEFAULT_LEAD_CYCLES, LEAD_CYCLES};
@@ -67,7 +68,8 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
     if let Some(why) = malformed {
         faults.note("patience", Reason::ValueOutOfRange, why);
     } else if !(0.0..=MOST_PATIENCE).contains(&patience) {
-        let text = format!("is {patience} s: give 0 to {MOST_PATIENCE} s, or leave it out for {DEFAULT_PATIENCE:?}");
+        let text =
+            format!("is {patience} s: give 0 to {MOST_PATIENCE} s, or leave it out for {DEFAULT_PATIENCE:?}");
         faults.note("patience", Reason::ValueOutOfRange, text);
     }
     let plan = faults.none_in(plan)?;
@@ -83,6 +85,7 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
         settle_tolerance: (settle_tolerance > 0.0).then_some(settle_tolerance),
         stay_open,
         accept_unproved,
+        connect: Connect::new(),
         patience: Duration::from_secs_f64(patience),
     })
 }

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use proto::{Reason, Rejected};
+use serving::Caller;
 
 use crate::commands::Commander;
 
@@ -25,15 +26,23 @@ impl Streams {
         Entry { streams: self.clone(), stream, commander }
     }
 
-    /// Whoever commands `stream`; where that is empty, the only one there is.
-    pub(super) fn commander_of(&self, stream: &str) -> Result<Commander, Rejected> {
+    /// Whoever commands `stream`; where that is empty, the only one there is. Of streams that the caller may not use he
+    /// learns nothing.
+    pub(super) fn commander_of(&self, stream: &str, caller: &Caller) -> Result<Commander, Rejected> {
+        if !stream.is_empty() {
+            caller.may_use(stream)?;
+        }
         let open = self.lock();
-        match open.get(stream) {
-            Some(commander) => Ok(commander.clone()),
-            None if stream.is_empty() && open.len() == 1 => {
-                open.values().next().cloned().ok_or_else(|| not_here(stream, &open))
+        if let Some(commander) = open.get(stream) {
+            return Ok(commander.clone());
+        }
+        let mut known = open.iter().filter(|(name, _)| caller.sees(name));
+        match (known.next(), known.next()) {
+            (Some((_, commander)), None) if stream.is_empty() => Ok(commander.clone()),
+            (first, second) => {
+                let names = first.into_iter().chain(second).chain(known).map(|(name, _)| name.as_str());
+                Err(not_here(stream, &names.collect::<Vec<_>>()))
             }
-            None => Err(not_here(stream, &open)),
         }
     }
 
@@ -51,8 +60,8 @@ impl Drop for Entry {
     }
 }
 
-fn not_here(stream: &str, open: &BTreeMap<String, Commander>) -> Rejected {
-    let known = open.keys().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
+fn not_here(stream: &str, open: &[&str]) -> Rejected {
+    let known = open.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
     let text = match (open.len(), stream) {
         (0, _) => "no axis of this process follows a stream: start one, as portamento track does".to_owned(),
         (_, "") => format!("several streams are followed here: say which, {known}"),
