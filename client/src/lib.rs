@@ -5,6 +5,7 @@
 //! - [`Setpoints`]: the cycles of a stream in order; a gap is an error, not a shrug
 //! - [`Buffer`]: the rule by which an axis accepts setpoints, for those who own the clock: no allocation, no waiting
 //! - [`Client::control`], [`control`]: operations on a stream that an axis has opened
+//! - [`Client::watch`]: streams as they run, for those who only look on
 //! - [`Link`]: the messages of a stream as they come, for those who own a buffer
 //!
 //! Domain types go in and come out; the wire stays inside.
@@ -22,6 +23,7 @@ mod revision;
 mod setpoints;
 mod starved;
 mod uplink;
+mod watch;
 
 use planner::{Certificate, Judged, JudgedPvt, Plan, PvtRequestSpec, RequestSpec};
 use prost::Message;
@@ -45,6 +47,7 @@ pub use record::Record;
 pub use revision::Revision;
 pub use setpoints::Setpoints;
 pub use uplink::{Next, Servers, Uplink};
+pub use watch::Watching;
 
 /// A connection to one server.
 #[derive(Clone, Debug)]

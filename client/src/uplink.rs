@@ -2,8 +2,8 @@ use std::collections::{HashMap, VecDeque};
 use std::time::Duration;
 
 use planner::CycleTime;
-use proto::pb;
 use proto::stream::{FromAxis, Open, Operation, Report, ToAxis};
+use proto::{TraceContext, pb};
 use tokio::sync::mpsc;
 use tokio::task::{AbortHandle, JoinSet};
 use tokio::time::Instant;
@@ -93,6 +93,11 @@ impl Uplink {
             ready: VecDeque::new(),
             unsent: None,
         }
+    }
+
+    /// Connects so from now on: with encryption, as every connection of the stream is to.
+    pub fn connect_by(&mut self, connect: Connect) {
+        self.connect = connect;
     }
 
     /// What was decided so far.
@@ -227,7 +232,7 @@ impl Uplink {
         // Behind a single address there may be several servers: a connection of its own may find another.
         let warm = if self.servers.endpoints.len() > 1 { self.warm.get(&endpoint).cloned() } else { None };
         let connect = self.servers.connect.clone();
-        let opening = self.opening.spawn(async move {
+        let opening = self.opening.spawn(TraceContext::carried(async move {
             let opened = async {
                 let client = match warm {
                     Some(client) => client,
@@ -240,7 +245,7 @@ impl Uplink {
                 }
             };
             (epoch, opened.await)
-        });
+        }));
         self.lines.insert(epoch, Line { outgoing, opening, endpoint });
     }
 

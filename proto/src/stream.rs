@@ -4,6 +4,7 @@
 //! not in the digest.
 
 mod motion;
+mod watched;
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -15,6 +16,7 @@ use crate::Digest;
 pub use motion::{
     Ask, GoalSpec, Motion, Operation, OperationRefusal, OperationResult, RECENT_RESULTS, refused_operation,
 };
+pub use watched::{Watch, Watched};
 
 /// What an axis says.
 #[derive(Clone, Debug, PartialEq)]

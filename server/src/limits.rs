@@ -73,10 +73,11 @@ impl Limits {
     }
 
     /// Is the motion that a stream opens with as large as it may be?
-    pub(crate) fn admit_motion(&self, plan: &Plan) -> Result<(), Rejected> {
-        self.admit_axes("open.plan.axes", plan.axes().len())?;
+    pub(crate) fn admit_motion(&self, field: &str, plan: &Plan) -> Result<(), Rejected> {
+        let axes = format!("{field}.axes");
+        self.admit_axes(&axes, plan.axes().len())?;
         let segments = plan.axes().iter().map(|axis| axis.profile.segments().len()).sum();
-        self.admit_segments("open.plan.axes", segments)?;
+        self.admit_segments(&axes, segments)?;
         let (given, most) = (plan.cycle_count(), self.cycles);
         if given <= most {
             return Ok(());
@@ -84,7 +85,7 @@ impl Limits {
         let text = format!(
             "has {given} cycles, and this server streams {most}: shorten the motion, lengthen its cycle, or raise max_cycles"
         );
-        let rejected = Rejected::for_field("open.plan", Reason::TooManyCycles, text);
+        let rejected = Rejected::for_field(field, Reason::TooManyCycles, text);
         Err(rejected.with("given", given).with("allowed", most))
     }
 

@@ -3,8 +3,7 @@ use std::collections::hash_map::Entry;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use planner::Plan;
-use proto::stream::{Operation, OperationResult};
+use proto::stream::{Open, Operation, OperationResult, Source};
 use proto::{Reason, Rejected};
 use serving::Caller;
 use tokio::sync::{mpsc, oneshot};
@@ -68,10 +67,15 @@ impl Streams {
         &self.figures
     }
 
-    /// May the caller open `stream` with a motion such as `plan`?
-    pub(crate) fn admit(&self, stream: &str, plan: &Plan) -> Result<(), Rejected> {
-        self.caller.may_use(stream)?;
-        self.limits.admit_motion(plan)
+    /// May the caller open this stream, and with such a motion?
+    pub(crate) fn admit(&self, open: &Open) -> Result<(), Rejected> {
+        self.caller.may_use(&open.stream)?;
+        match &open.source {
+            Source::Plan(plan) => self.limits.admit_motion("open.plan", plan.plan()),
+            Source::Resume(resume) => {
+                self.limits.admit_motion("open.resume.motion.plan", resume.motion.plan())
+            }
+        }
     }
 
     /// Takes `stream` for `epoch`, away from any older epoch.

@@ -8,7 +8,7 @@ use proto::stream::{Counters, Report};
 /// What Prometheus is told of runs. Recorded where the network task reads what the cycle thread has left for it: per report
 /// and per chunk of samples, never in a cycle.
 #[derive(Clone)]
-pub struct Figures {
+pub(crate) struct Figures {
     resolved: Arc<Resolved>,
     /// What the last report of this run said.
     told: Counters,
@@ -31,8 +31,7 @@ struct Resolved {
 
 impl Figures {
     /// Of one run, from now on.
-    #[must_use]
-    pub fn resolve() -> Self {
+    pub(crate) fn resolve() -> Self {
         let fail_over = |cause: Cause| metrics::counter!("motion_failovers_total", "cause" => cause.name());
         let resolved = Resolved {
             cycles: metrics::counter!("motion_cycles_executed_total"),
@@ -50,7 +49,7 @@ impl Figures {
     }
 
     /// The axis tells where it is.
-    pub fn report(&mut self, report: &Report) {
+    pub(crate) fn report(&mut self, report: &Report) {
         let Resolved {
             cycles,
             underruns,
@@ -62,10 +61,6 @@ impl Figures {
             stop_tails,
             ..
         } = &*self.resolved;
-        // It says so until somebody goes on after it.
-        if report.tail_from_cycle.is_some() && self.tail != report.tail_from_cycle {
-            stop_tails.increment(1);
-        }
         let (before, now) = (self.told, report.counters);
         for (counter, before, now) in [
             (cycles, self.executed, report.executed_cycle),
@@ -78,18 +73,21 @@ impl Figures {
             counter.increment(now.saturating_sub(before));
         }
         lead.record(report.accepted_cycle.saturating_sub(report.executed_cycle) as f64);
+        if report.tail_from_cycle.is_some() && report.tail_from_cycle != self.tail {
+            stop_tails.increment(1);
+        }
         (self.told, self.executed, self.tail) = (now, report.executed_cycle, report.tail_from_cycle);
     }
 
     /// How late cycles began [ns].
-    pub fn lateness(&self, lateness_ns: &[i32]) {
+    pub(crate) fn lateness(&self, lateness_ns: &[i32]) {
         for lateness in lateness_ns {
             self.resolved.jitter.record(f64::from(*lateness) * 1e-9);
         }
     }
 
     /// The stream went on with another replica.
-    pub fn failed_over(&self, why: Cause) {
+    pub(crate) fn failed_over(&self, why: Cause) {
         let index = Cause::ALL.iter().position(|known| *known == why);
         if let Some(counter) = index.and_then(|index| self.resolved.failovers.get(index)) {
             counter.increment(1);

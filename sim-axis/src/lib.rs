@@ -52,6 +52,7 @@ mod service;
 mod servo;
 mod stability;
 mod vibration;
+mod watched;
 
 pub use audit::{InvalidField, InvalidModel};
 pub use axis::{Axis, AxisConfig, InvalidConfig, Observation};
@@ -59,7 +60,6 @@ pub use clock::Clock;
 pub use commands::{Answered, Commander};
 pub use config::Config;
 pub use encoder::{Encoder, Measured};
-pub use figures::Figures;
 pub use interpolate::Quintic;
 pub use jitter::{Jitter, Lateness};
 pub use model::{AxisModel, AxisModelSpec, EncoderSpec, FrictionSpec, LoadSpec, MechanicsSpec, ServoSpec};

@@ -25,6 +25,7 @@ use crate::model::AxisModel;
 use crate::monitor::ReportCard;
 use crate::player::{Divergence, Player};
 use crate::samples::Samples;
+use crate::watched::WatchedBy;
 
 /// What an axis is asked to follow, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -424,11 +425,19 @@ async fn carry(
     let (events, event_queue) = mpsc::channel(EVENTS);
     let nobody = teller.clone();
     let failovers = AtomicU64::new(0);
-    let figures = Figures::resolve();
-    let stream =
-        Stream { uplink, reports, commands, waiting: &waiting, events, failovers: &failovers, figures };
+    let watched = WatchedBy::default();
+    let stream = Stream {
+        uplink,
+        reports,
+        commands,
+        waiting: &waiting,
+        events,
+        failovers: &failovers,
+        figures: Figures::resolve(),
+        watched: &watched,
+    };
     let mut streaming = Box::pin(stream.carry(&mut feed));
-    let mut telling = Box::pin(tell(samples, event_queue, teller, clock));
+    let mut telling = Box::pin(tell(samples, event_queue, teller, (clock, &watched)));
     let mut outcome = std::pin::pin!(outcome);
     let (mut ended, mut told) = (None, false);
 
@@ -506,6 +515,7 @@ struct Stream<'a> {
     events: mpsc::Sender<Update>,
     failovers: &'a AtomicU64,
     figures: Figures,
+    watched: &'a WatchedBy,
 }
 
 impl Stream<'_> {
@@ -543,13 +553,16 @@ impl Stream<'_> {
         match news {
             News::Opened(_) | News::Over(_) => {}
             News::Answer(id, answer) => self.waiting.tell(&id, &answer),
-            News::Event(event) => drop(self.events.try_send(Update::Event(event))),
+            News::Event(event) => {
+                self.watched.hear(event);
+                drop(self.events.try_send(Update::Event(event)));
+            }
             News::FailedOver(change) => {
                 let Change { cause, from, to, executed_cycle, took } = &change;
                 let cause = cause.name();
                 tracing::info!(cause, from, to, executed_cycle, took_ms = took.as_millis(), "failed over");
-                self.failovers.fetch_add(1, Ordering::Relaxed);
                 self.figures.failed_over(change.cause);
+                self.failovers.fetch_add(1, Ordering::Relaxed);
                 drop(self.events.try_send(Update::FailedOver(change)));
             }
         }
@@ -566,8 +579,9 @@ impl Stream<'_> {
             }
         }
         self.reports.thread.wake();
-        if let Some(Word { report, heeded }) = newest {
+        if let Some(Word { mut report, heeded }) = newest {
             self.figures.report(&report);
+            report.tracking = self.watched.take();
             self.uplink.report(report, heeded);
         }
         if !self.reports.reports.is_empty() {
@@ -592,7 +606,7 @@ async fn tell(
     mut ring: SampleRing,
     mut events: mpsc::Receiver<Update>,
     teller: mpsc::Sender<Update>,
-    clock: Clock,
+    (clock, watched): (Clock, &WatchedBy),
 ) {
     let figures = Figures::resolve();
     let mut queue = VecDeque::new();
@@ -603,6 +617,7 @@ async fn tell(
         while clock == Clock::Wall || queue.len() < WAITING {
             let Ok(mut chunk) = ring.full.pop() else { break };
             let samples = chunk.read();
+            watched.put(&samples.tracking);
             if clock == Clock::Wall {
                 figures.lateness(&samples.tracking.cycle_jitter_ns);
             }

@@ -56,7 +56,7 @@ async fn figures_grow_with_what_is_done() {
     // Every figure that dashboards and alerts ask for is there from the beginning, or grows out of one that is.
     for figure in [
         "motion_streams ",
-        "motion_failovers_total{cause=\"broken\"}",
+        "motion_failovers_total{cause=\"lost\"}",
         "motion_underruns_total",
         "motion_connections_refused_total",
         "motion_refusals_total{reason=\"OVERLOADED\"}",

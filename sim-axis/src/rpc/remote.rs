@@ -137,7 +137,8 @@ fn to_wire(request: TrackRequest) -> pb::RunTrackingRequest {
         // How this side is connected to is no matter of the other's.
         connect: _,
     } = request;
-    let duration = |ns: i64| prost_types::Duration { seconds: ns / 1_000_000_000, nanos: (ns % 1_000_000_000) as i32 };
+    let duration =
+        |ns: i64| prost_types::Duration { seconds: ns / 1_000_000_000, nanos: (ns % 1_000_000_000) as i32 };
     pb::RunTrackingRequest {
         stream,
         endpoints,
