@@ -45,6 +45,24 @@ impl Profile {
         self.pieces.segment(index)
     }
 
+    /// Duration, start and jerk of piece number `index`, which there is, if its jerk is constant.
+    #[inline]
+    pub(crate) fn constant_jerk(&self, index: usize) -> Option<(f64, State, f64)> {
+        self.pieces.constant_jerk(index)
+    }
+
+    /// How long piece number `index` lasts \[s\], if there is one.
+    #[inline]
+    pub(crate) fn piece_duration(&self, index: usize) -> Option<f64> {
+        self.pieces.duration(index)
+    }
+
+    /// As [`Segment::at`] of piece number `index`, which there is.
+    #[inline]
+    pub(crate) fn piece_at(&self, index: usize, t: f64) -> Setpoint {
+        self.pieces.at(index, t)
+    }
+
     /// The setpoints with which piece number `index` begins and ends; there is that piece.
     #[inline]
     pub(crate) fn setpoints_at_ends(&self, index: usize) -> [Setpoint; 2] {
@@ -215,5 +233,19 @@ impl<'a> Cursor<'a> {
             }
         }
         pieces.at(self.index, t - begins[self.index])
+    }
+
+    /// When it begins \[s\], where, and the jerk of the piece of constant jerk that both times lie in, if they lie in one.
+    #[inline]
+    pub(crate) fn constant_jerk(&mut self, from: f64, to: f64) -> Option<(f64, State, f64)> {
+        let Profile { pieces, begins, duration, .. } = self.profile;
+        let lies = |index: usize| {
+            let end = begins.get(index + 1).unwrap_or(duration);
+            begins.get(index).is_some_and(|begin| *begin <= from && to < *end)
+        };
+        let index = [self.index, self.index + 1].into_iter().find(|&index| lies(index))?;
+        let (_, start, jerk) = pieces.constant_jerk(index)?;
+        self.index = index;
+        Some((begins[index], start, jerk))
     }
 }
