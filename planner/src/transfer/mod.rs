@@ -18,6 +18,7 @@ mod arrivals;
 mod axis;
 mod blend;
 mod bounds;
+mod by_rest;
 mod course;
 mod ends;
 mod fastest;

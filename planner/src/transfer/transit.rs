@@ -82,6 +82,17 @@ impl Transit {
         if closed { Ok(transit) } else { Err(too_far_apart()) }
     }
 
+    /// One motion, a wait at rest where it ends, and another from there; none where they have too many pieces.
+    pub(super) fn joined(first: &Self, wait: f64, last: &Self) -> Option<Self> {
+        let waits = Piece { duration: wait, start: first.goal, jerk: 0.0 };
+        let waits = Some(waits).filter(|waits| waits.duration > 0.0);
+        let mut joined = Self { pieces: ArrayVec::new(), start: first.start, goal: last.goal };
+        for piece in first.pieces.iter().copied().chain(waits).chain(last.pieces.iter().copied()) {
+            joined.pieces.try_push(piece).ok()?;
+        }
+        Some(joined)
+    }
+
     /// Closes a gap where both ends meet, which goes so far beyond, by the longest piece; says whether it could.
     ///
     /// Where a motion is fast, and for long slow or all but steady, what its velocity is rounded to is a way that counts: it has the
