@@ -49,7 +49,13 @@ impl CycleTime {
     #[must_use]
     #[inline]
     pub fn start_of(self, cycle: u64) -> f64 {
-        cycle as f64 * self.ns as f64 / 1e9
+        self.after(cycle as f64)
+    }
+
+    /// When so many cycles are over \[s\], a whole number.
+    #[inline]
+    pub(crate) fn after(self, cycles: f64) -> f64 {
+        cycles * self.ns as f64 / 1e9
     }
 
     /// The first cycle at or after `duration` \[s\]: the one at which a motion of that length has ended. `None` beyond
