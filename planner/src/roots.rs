@@ -152,6 +152,7 @@ fn halved_by_bits(low: f64, high: f64, below: impl Fn(f64) -> bool) -> f64 {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "the very number is asked for")]
 mod tests {
     use super::*;
 
