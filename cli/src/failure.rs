@@ -105,7 +105,9 @@ impl From<client::Error> for Failure {
                 Self::Unreachable { endpoint, cause }
             }
             client::Error::NotServed { .. } => Self::Usage(error.to_string()),
-            client::Error::TooLarge { .. } | client::Error::Protocol(_) => Self::Internal(error.to_string()),
+            client::Error::TooLarge { .. }
+            | client::Error::Unanswered { .. }
+            | client::Error::Protocol(_) => Self::Internal(error.to_string()),
         }
     }
 }

@@ -1,11 +1,12 @@
 //! What an axis holds, and the rule by which it accepts more. Works in place: no allocation, no waiting, no clock, so that
 //! a cycle thread can own it.
 
-use planner::{Plan, Setpoint};
+use planner::{CycleTime, Plan, Setpoint};
 use proto::Digest;
-use proto::stream::{Batch, Counters, RefusalReason, Refused, Report};
+use proto::stream::{Batch, Counters, RefusalReason, Refused, Report, Tails};
 
 use crate::Revision;
+use crate::starved::Starved;
 
 /// The setpoints that an axis holds, from the last one that it executed to the last one that it accepted.
 ///
@@ -20,6 +21,14 @@ use crate::Revision;
 /// # Revisions
 /// What the server announces is [announced](Self::announce) here, and adopted with the first batch of it that is accepted: from
 /// then on nothing of the revision before it is. A batch that is refused adopts nothing and changes nothing.
+///
+/// # Servers
+/// While the axis asks another server to go on ([`Buffer::resuming`]) the old one serves on, but begins no revision: the other one
+/// was told of the one that is adopted. With [`Buffer::goes_on`] the new epoch holds, and the old one is over.
+///
+/// # Hearing no more
+/// Every batch brings the way to rest from its last cycle. When that cycle is executed and nothing has come, [`Buffer::starve`] begins to play
+/// it, one revision later: its cycles count as accepted, and the epoch is over.
 #[derive(Clone, Debug)]
 pub struct Buffer {
     adopted: Revision,
@@ -27,8 +36,14 @@ pub struct Buffer {
     /// Was adopted before: freed where there is time for it.
     retired: Option<Revision>,
     epoch: u64,
+    /// New revisions are refused.
+    resuming: bool,
     lead: u64,
     guard: u64,
+    cycle: CycleTime,
+    /// The way to rest from the last cycle that came in a batch.
+    tails: Tails,
+    starved: Option<Starved>,
     /// Ring: the row of cycle c begins at (c mod capacity) · axes. Holds executed ..= accepted.
     rows: Vec<Setpoint>,
     digests: Vec<Digest>,
@@ -83,8 +98,12 @@ impl Buffer {
             announced: None,
             retired: None,
             epoch: standing.epoch,
+            resuming: false,
             lead,
             guard: u64::from(standing.axis_guard),
+            cycle: standing.plan.cycle_time(),
+            tails: Tails::default(),
+            starved: None,
             rows,
             digests: vec![Digest::ZERO; capacity],
             executed: 0,
@@ -105,6 +124,12 @@ impl Buffer {
         self.adopted.motion_end
     }
 
+    /// The last cycle that the motion was to have: also where a way to rest is played instead.
+    #[must_use]
+    pub fn was_to_end(&self) -> u64 {
+        self.starved.as_ref().map_or(self.adopted.motion_end, Starved::was_to_end)
+    }
+
     /// Is the motion at rest, with nothing of it to come but what an operation asks for?
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
@@ -123,6 +148,62 @@ impl Buffer {
         self.adopted.number
     }
 
+    /// Is the lead under its half, with more of the motion to come?
+    #[must_use]
+    pub fn is_low(&self) -> bool {
+        self.last.is_none() && !self.is_starved() && 2 * self.held() < self.lead
+    }
+
+    /// From here on until the next call no revision is begun (or, again, is).
+    pub fn resuming(&mut self, resuming: bool) {
+        self.resuming = resuming;
+    }
+
+    /// Another server goes on under `epoch`; what the old one still says is dropped, and counted. After a way to rest `rested` is the
+    /// motion that it has become, as that server was told, and the digest of its end. Gives back what is not needed any more.
+    pub fn goes_on(&mut self, epoch: u64, rested: Option<(Revision, Digest)>) -> Option<Revision> {
+        self.epoch = epoch;
+        self.resuming = false;
+        let announced = self.announced.take();
+        let (Some((revision, digest)), Some(starved)) = (rested, self.starved.as_mut()) else {
+            return announced;
+        };
+        starved.goes_on(digest);
+        self.retired = announced;
+        Some(std::mem::replace(&mut self.adopted, revision))
+    }
+
+    /// Begins to play the way to rest, since nothing has come; `false` where the axis rests, or has done so before.
+    ///
+    /// The way is that of the last batch, so every cycle that is held has to be executed.
+    pub fn starve(&mut self) -> bool {
+        let plays = self.held() == 0 && self.last.is_none() && !self.tails.profiles().is_empty();
+        if !plays {
+            return false;
+        }
+        let tails = std::mem::take(&mut self.tails);
+        let from = self.executed;
+        let (held, left) = ((from, self.digest()), (self.adopted.number, self.adopted.motion_end));
+        let starved = Starved::new(tails, self.cycle, held, left);
+        self.accepted = starved.last_cycle();
+        self.adopted.number += 1;
+        self.adopted.motion_end = self.accepted;
+        self.adopted.arrives = false;
+        self.counters.underruns += 1;
+        self.starved = Some(starved);
+        true
+    }
+
+    /// Is, or was, a way to rest played, with no server that goes on after it?
+    #[must_use]
+    pub fn is_starved(&self) -> bool {
+        self.starved.as_ref().is_some_and(Starved::is_alone)
+    }
+
+    fn is_over(&self, epoch: u64) -> bool {
+        epoch != self.epoch || self.is_starved()
+    }
+
     /// Is a revision announced and not adopted?
     #[must_use]
     pub fn awaits_revision(&self) -> bool {
@@ -132,7 +213,7 @@ impl Buffer {
     /// Takes note of what the server will send next; of another epoch it is dropped and counted. Gives back what is not needed
     /// any more, to be freed by the caller.
     pub fn announce(&mut self, epoch: u64, revision: Revision) -> Option<Revision> {
-        if epoch != self.epoch {
+        if self.is_over(epoch) {
             self.counters.stale_epochs += 1;
             return Some(revision);
         }
@@ -176,10 +257,13 @@ impl Buffer {
         self.last == Some(self.executed)
     }
 
-    /// The digest of all cycles through the last that was accepted.
+    /// The digest of all cycles through the last that was accepted; of a way to rest, through the last before it.
     #[must_use]
     pub fn digest(&self) -> Digest {
-        self.digests[self.slot(self.accepted)]
+        match self.starved.as_ref().filter(|starved| starved.is_alone()) {
+            Some(starved) => starved.digest_before(),
+            None => self.digest_of(self.accepted),
+        }
     }
 
     /// How the stream has gone so far.
@@ -200,10 +284,12 @@ impl Buffer {
 
     /// Takes a batch, or says why not and keeps what is held. A batch of another epoch is dropped, and counted: `Ok`.
     ///
+    /// Leaves in it the way to rest that is not needed any more, to be freed by the caller.
+    ///
     /// # Errors
     /// What to report to the server at once.
-    pub fn accept(&mut self, epoch: u64, batch: &Batch) -> Result<(), Refused> {
-        if epoch != self.epoch {
+    pub fn accept(&mut self, epoch: u64, batch: &mut Batch) -> Result<(), Refused> {
+        if self.is_over(epoch) {
             self.counters.stale_epochs += 1;
             return Ok(());
         }
@@ -213,7 +299,7 @@ impl Buffer {
         })
     }
 
-    fn try_accept(&mut self, batch: &Batch) -> Result<(), RefusalReason> {
+    fn try_accept(&mut self, batch: &mut Batch) -> Result<(), RefusalReason> {
         let first = batch.first_cycle;
         let cycles = batch.columns.cycles() as u64;
         if first == 0 || cycles == 0 || batch.columns.axes() != self.adopted.rules.len() {
@@ -234,6 +320,9 @@ impl Buffer {
         self.compare_held(batch, known)?;
         let new = known..cycles;
         self.check_new(batch, new.clone(), begins)?;
+        if !new.is_empty() {
+            self.check_tails(batch, begins)?;
+        }
         self.counters.duplicate_cycles += known;
         if begins {
             self.adopt();
@@ -246,6 +335,10 @@ impl Buffer {
         }
         self.accepted = end;
         self.last = batch.last.then_some(end);
+        std::mem::swap(&mut self.tails, &mut batch.tails);
+        if let Some(played) = self.starved.take_if(|starved| starved.last_cycle() <= self.executed) {
+            batch.tails = played.into_tails();
+        }
         Ok(())
     }
 
@@ -253,6 +346,9 @@ impl Buffer {
     fn begins_revision(&self, batch: &Batch) -> Result<bool, RefusalReason> {
         if batch.revision == self.adopted.number {
             return Ok(false);
+        }
+        if self.resuming {
+            return Err(RefusalReason::Resuming);
         }
         let announced = self.announced.as_ref().filter(|announced| announced.number == batch.revision);
         let announced = announced.ok_or(RefusalReason::Revision)?;
@@ -301,13 +397,13 @@ impl Buffer {
         let adopted = &self.adopted.rules;
         let announced =
             self.announced.as_ref().filter(|_| begins).map_or(adopted, |revision| &revision.rules);
-        let mut digest = self.digests[self.slot(batch.first_cycle + new.start - 1)];
+        let mut digest = self.digest_of(batch.first_cycle + new.start - 1);
         for index in new.clone() {
             let cycle = batch.first_cycle + index;
             for (axis, (rule, before_it)) in announced.iter().zip(adopted).enumerate() {
                 let next = batch.columns.at(axis, index as usize).ok_or(RefusalReason::NotFinite)?;
                 let before = if index == new.start {
-                    self.row(cycle - 1)[axis]
+                    self.setpoint(cycle - 1, axis)
                 } else {
                     batch.columns.at(axis, index as usize - 1).ok_or(RefusalReason::NotFinite)?
                 };
@@ -327,10 +423,27 @@ impl Buffer {
         Ok(())
     }
 
+    /// Does the way to rest follow from the last setpoint of the batch, and end at rest?
+    fn check_tails(&self, batch: &Batch, begins: bool) -> Result<(), RefusalReason> {
+        let announced = self.announced.as_ref().filter(|_| begins);
+        let rules = announced.map_or(&self.adopted.rules, |revision| &revision.rules);
+        let last = batch.columns.cycles() - 1;
+        let tails = batch.tails.profiles();
+        let mut rests = rules.iter().enumerate().map(|(axis, rule)| {
+            let Some(setpoint) = batch.columns.at(axis, last) else { return false };
+            match tails.get(axis) {
+                Some(way) => rule.rests(&setpoint, way),
+                None => setpoint.state.is_at_rest(),
+            }
+        });
+        let whole = tails.is_empty() || tails.len() == rules.len();
+        if whole && rests.all(|rests| rests) { Ok(()) } else { Err(RefusalReason::StopTail) }
+    }
+
     /// Writes one cycle of a batch that has been checked into its place.
     fn hold(&mut self, batch: &Batch, index: usize) {
         let cycle = batch.first_cycle + index as u64;
-        let before = self.digests[self.slot(cycle - 1)];
+        let before = self.digest_of(cycle - 1);
         let slot = self.slot(cycle);
         let axes = self.adopted.rules.len();
         for (place, setpoint) in
@@ -348,10 +461,25 @@ impl Buffer {
             return None;
         }
         self.executed += 1;
+        self.play_starved();
         if self.last.is_none() && self.accepted < self.adopted.motion_end {
             self.counters.least_lead_cycles = self.counters.least_lead_cycles.min(self.held());
         }
         self.playing()
+    }
+
+    /// Puts the next cycle of a way to rest where those of batches stand.
+    fn play_starved(&mut self) {
+        let (cycle, slot, axes) = (self.executed, self.slot(self.executed), self.adopted.rules.len());
+        let before = self.digests[self.slot(cycle - 1)];
+        let Some(starved) = self.starved.as_ref().filter(|starved| cycle <= starved.last_cycle()) else {
+            return;
+        };
+        let row = &mut self.rows[slot * axes..(slot + 1) * axes];
+        for (place, setpoint) in row.iter_mut().zip(starved.setpoints(cycle)) {
+            *place = setpoint;
+        }
+        self.digests[slot] = before.then(cycle, row.iter().map(Setpoint::words));
     }
 
     /// The cycle that was last given to the servo; `None` before the first.
@@ -365,6 +493,21 @@ impl Buffer {
     /// What the axis says of itself: how far it is, and how far it may be sent.
     #[must_use]
     pub fn report(&self, refused: Option<Refused>) -> Report {
+        if let Some(starved) = self.starved.as_ref().filter(|starved| starved.is_alone()) {
+            // Of the epoch that is over: how far its setpoints came.
+            let from = starved.from_cycle();
+            return Report {
+                executed_cycle: from,
+                accepted_cycle: from,
+                grant_cycle: from,
+                revision: starved.revision(),
+                digest: starved.digest_before(),
+                refused,
+                tail_from_cycle: Some(from + 1),
+                tracking: None,
+                counters: self.counters,
+            };
+        }
         Report {
             executed_cycle: self.executed,
             accepted_cycle: self.accepted,
@@ -376,6 +519,19 @@ impl Buffer {
             tracking: None,
             counters: self.counters,
         }
+    }
+
+    /// The digest of a cycle that is held; of a way to rest, of its end alone.
+    fn digest_of(&self, cycle: u64) -> Digest {
+        let rests = self.starved.as_ref().and_then(|starved| starved.digest_of_end(cycle));
+        rests.unwrap_or_else(|| self.digests[self.slot(cycle)])
+    }
+
+    /// The setpoint of an axis at a cycle that is held; of a way to rest, at its end alone.
+    fn setpoint(&self, cycle: u64, axis: usize) -> Setpoint {
+        let rests = self.starved.as_ref().filter(|starved| starved.last_cycle() == cycle);
+        let rests = rests.and_then(|starved| starved.rests(axis));
+        rests.unwrap_or_else(|| self.row(cycle)[axis])
     }
 
     fn slot(&self, cycle: u64) -> usize {

@@ -25,7 +25,7 @@ pub async fn control(
 
 fn asks_elsewhere(error: &Error) -> bool {
     match error {
-        Error::Unreachable { .. } => true,
+        Error::Unreachable { .. } | Error::Unanswered { .. } => true,
         Error::Rejected(rejected) => {
             matches!(rejected.reason, Reason::StreamNotHere | Reason::Draining)
         }

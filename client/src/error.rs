@@ -37,6 +37,12 @@ pub enum Error {
         /// What the network says.
         cause: String,
     },
+    /// Try again, or elsewhere.
+    #[error("the server does not go on: {cause}")]
+    Unanswered {
+        /// What it did instead.
+        cause: String,
+    },
     /// Yours to mend: somebody answers at the address, and does not know the call.
     #[error(
         "{endpoint} answers, and does not serve what was asked: name a planner for plans and streams, an axis to track or \

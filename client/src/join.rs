@@ -1,10 +1,14 @@
-use planner::{AxisPlan, Plan, Profile, Quantity, Setpoint, State};
+use planner::{AxisPlan, Law, Plan, Profile, Quantity, Setpoint, State};
 
 /// Relative slack on the bounds \[1\], for limits that are kept to 1e-9.
 const SLACK: f64 = 1e-6;
 /// Units in the last place of the largest value of a whole motion that the difference of two of its values may be off by.
 /// A piece begins where the one before it ended, rounded there; so a value near zero carries the roundings of the largest.
 const ULPS: f64 = 4.0;
+
+/// Of the roundings of a motion \[1\]: what the pieces of a way to rest may be apart where they join. Ten times what the judge lets
+/// pass, 1e-10 of the scale, of which the roundings are four units in the last place.
+const MEET: f64 = 10.0 * planner::JOIN_TOLERANCE / (ULPS * f64::EPSILON);
 
 /// Does one setpoint follow from the one before it, one cycle T later, within what the plan guarantees?
 ///
@@ -50,6 +54,35 @@ impl JoinRule {
         };
         let rule = |axis: &AxisPlan| Self { cycle, bound: bound(axis), roundings: roundings(&axis.profile) };
         plan.axes().iter().map(rule).collect()
+    }
+
+    /// Does `way` lead from `last` to rest, in pieces that join and with no more jerk than the plan guarantees?
+    ///
+    /// Where a plan guarantees no jerk its acceleration jumps, and may on the way to rest.
+    #[must_use]
+    pub(crate) fn rests(&self, last: &Setpoint, way: &Profile) -> bool {
+        let mut before = last.state;
+        for (index, segment) in way.segments().iter().enumerate() {
+            let Law::ConstantJerk(jerk) = segment.law else { return false };
+            let within_limit = match self.bound {
+                Bound::Jerk(limit) => jerk.abs() <= limit * (1.0 + SLACK),
+                Bound::Acceleration(_) | Bound::None => jerk.is_finite(),
+            };
+            let may_jump = index == 0 && !matches!(self.bound, Bound::Jerk(_));
+            if !within_limit || !self.meet(before, segment.start, may_jump) {
+                return false;
+            }
+            before = segment.at(segment.duration).state;
+        }
+        way.end().is_at_rest() && self.meet(before, way.end(), false)
+    }
+
+    /// Are two states one, but for what the judge lets pieces be apart?
+    fn meet(&self, one: State, other: State, may_jump: bool) -> bool {
+        let near = |one: f64, other: f64, rounding: f64| (one - other).abs() <= MEET * rounding;
+        near(one.position, other.position, self.roundings.position)
+            && near(one.velocity, other.velocity, self.roundings.velocity)
+            && (may_jump || near(one.acceleration, other.acceleration, self.roundings.acceleration))
     }
 
     /// Does `next` follow from `before`? Never where a number is not finite.

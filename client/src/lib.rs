@@ -13,10 +13,14 @@ mod address;
 mod buffer;
 mod control;
 mod error;
+pub mod failover;
 mod join;
 mod link;
+mod record;
 mod revision;
 mod setpoints;
+mod starved;
+mod uplink;
 
 use std::time::Duration;
 
@@ -26,6 +30,7 @@ use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::{Columns, FromAxis, Open, Operation, OperationResult};
 use proto::{Against, Chunk, Digest, MAX_MESSAGE_BYTES, pb};
+use tokio::sync::mpsc;
 use tonic::Streaming;
 use tonic::transport::Channel;
 
@@ -35,8 +40,10 @@ pub use control::control;
 pub use error::Error;
 pub use join::JoinRule;
 pub use link::{Link, Reports};
+pub use record::Record;
 pub use revision::Revision;
 pub use setpoints::Setpoints;
+pub use uplink::{Next, Uplink};
 
 /// A connection to one server.
 #[derive(Clone, Debug)]
@@ -164,6 +171,14 @@ impl Client {
     pub async fn open(&self, open: Open) -> Result<(Reports, Link), Error> {
         let first = self.fits(proto::request_to_wire(&FromAxis::Open(Box::new(open))))?;
         link::open(self.setpoints.clone(), &self.endpoint, first).await
+    }
+
+    /// The same of what comes out of `requests`.
+    pub(crate) async fn open_with(
+        &self,
+        requests: mpsc::Receiver<pb::StreamSetpointsRequest>,
+    ) -> Result<Link, Error> {
+        link::open_with(self.setpoints.clone(), &self.endpoint, requests).await
     }
 
     /// Does an operation on a stream that this server serves, and tells what became of it.

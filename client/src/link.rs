@@ -9,7 +9,7 @@ use tonic::transport::Channel;
 use crate::Error;
 
 /// Messages on their way to the server: reports are small, and a newer one says all that an older one did.
-const OUTBOX: usize = 16;
+pub(crate) const OUTBOX: usize = 16;
 
 /// The axis's side of a stream. Dropping it closes the stream.
 #[derive(Clone, Debug)]
@@ -25,16 +25,26 @@ pub struct Link {
 }
 
 pub(crate) async fn open(
-    mut setpoints: SetpointServiceClient<Channel>,
+    setpoints: SetpointServiceClient<Channel>,
     endpoint: &str,
     first: pb::StreamSetpointsRequest,
 ) -> Result<(Reports, Link), Error> {
     let (outgoing, requests) = mpsc::channel(OUTBOX);
     let gone = || Error::Protocol("the stream ended before it began".into());
     outgoing.send(first).await.map_err(|_| gone())?;
+    let link = open_with(setpoints, endpoint, requests).await?;
+    Ok((Reports { outgoing }, link))
+}
+
+/// Says what comes out of `requests`, of which the first opens the stream.
+pub(crate) async fn open_with(
+    mut setpoints: SetpointServiceClient<Channel>,
+    endpoint: &str,
+    requests: mpsc::Receiver<pb::StreamSetpointsRequest>,
+) -> Result<Link, Error> {
     let response = setpoints.stream_setpoints(ReceiverStream::new(requests)).await;
     let incoming = response.map_err(|status| Error::of_planner(endpoint, &status))?.into_inner();
-    Ok((Reports { outgoing }, Link { endpoint: endpoint.into(), incoming }))
+    Ok(Link { endpoint: endpoint.into(), incoming })
 }
 
 impl Reports {

@@ -1,75 +1,109 @@
+use std::time::Duration;
+
 use planner::Setpoint;
 use proto::Rejected;
-use proto::stream::{
-    Batch, FromAxis, Motion, Open, Operation, OperationRefusal, OperationResult, Refused, StreamEvent,
-    StreamEventKind, ToAxis,
-};
+use proto::stream::{Motion, Open, Operation, OperationResult, Refused, Source, StreamEvent};
 
-use crate::{Buffer, Client, Error, Link, Playing, Reports, Revision, Standing};
+use crate::failover::{Change, DEFAULT_PATIENCE, Feed, News};
+use crate::{Buffer, Client, Error, Next, Playing, Standing, Uplink};
 
 /// The cycles of a stream, in order, one after the other. Whoever asks for the next one is the clock.
+///
+/// The stream outlives its server where there is another: see [`failover`](crate::failover).
 #[derive(Debug)]
 pub struct Setpoints {
-    reports: Option<Reports>,
-    link: Link,
+    uplink: Uplink,
     buffer: Buffer,
-    motion: Motion,
-    /// What the server will play next.
-    announced: Option<Motion>,
-    /// How the server's side ended, where that was seen before it was asked for.
-    ended: Option<Result<(), Error>>,
-    served_by: String,
+    heeded: u64,
     batch_cycles: u64,
     reported: u64,
+    /// Nothing more comes: why.
+    over: Option<Result<(), Error>>,
     events: Vec<StreamEvent>,
+    changes: Vec<Change>,
     answers: Vec<(String, Result<OperationResult, Rejected>)>,
 }
 
 impl Setpoints {
-    /// Opens a stream for axes that stand in the first state of the plan.
+    /// Opens a stream for axes that stand in the first state of the plan, at the server of `client`; if that is lost, the stream is opened
+    /// there again.
     ///
     /// # Errors
-    /// [`Error::Rejected`] if the server does not take the plan, or has the stream under a newer epoch.
+    /// [`Error::Rejected`] if the server does not take the plan, or has the stream under a newer epoch. [`Error::Protocol`] for a
+    /// motion that is under way already.
     pub async fn open(client: &Client, open: Open) -> Result<Self, Error> {
+        Self::open_at(vec![client.endpoint().to_owned()], open, Duration::ZERO).await
+    }
+
+    /// The same at one of `endpoints`, which are tried in order; where the one that serves is lost, another goes on.
+    ///
+    /// `patience` is how long one that goes on is looked for, once there is none: [`DEFAULT_PATIENCE`].
+    ///
+    /// # Errors
+    /// That of the last endpoint that was tried.
+    pub async fn open_at(endpoints: Vec<String>, open: Open, patience: Duration) -> Result<Self, Error> {
         let Open { epoch, lead_cycles, axis_guard, .. } = open;
-        let setpoints: Vec<Setpoint> = open.plan.plan().sampler().at(0).collect();
+        let Source::Plan(plan) = &open.source else {
+            return Err(Error::Protocol("a stream is begun with a plan".into()));
+        };
+        let setpoints: Vec<Setpoint> = plan.plan().sampler().at(0).collect();
+        let cycle = plan.plan().cycle_time();
         // At least one report a lead, or the credit would run out unseen.
         let batch_cycles = u64::from(open.batch_cycles.min(open.lead_cycles).max(1));
-        let (reports, mut link) = client.open(open).await?;
-        let Some((_, ToAxis::Opened(opened))) = link.next().await? else {
-            return Err(Error::Protocol("the first message does not open the stream".into()));
+        let mut uplink = Uplink::new(endpoints, open, cycle, patience);
+        let opened = loop {
+            match uplink.next().await {
+                Next::News(News::Opened(opened)) => break opened,
+                Next::News(News::Over(how)) => {
+                    let nobody = || Error::Protocol("no endpoint is given: name at least one".into());
+                    return Err(how.err().map_or_else(nobody, |failure| failure.cause));
+                }
+                Next::News(_) | Next::Feed(_) => {}
+            }
         };
-        let motion = opened.motion;
-        let plan = motion.plan();
+        let epoch = uplink.failover().serving_epoch().unwrap_or(epoch);
+        let plan = opened.motion.plan();
         let standing = Standing { epoch, lead_cycles, axis_guard, plan, setpoints: &setpoints };
+        let mut buffer = Buffer::new(&standing);
+        buffer.motion_ends_at(opened.motion.last_cycle());
         Ok(Self {
-            reports: Some(reports),
-            link,
-            buffer: Buffer::new(&standing),
-            motion,
-            announced: None,
-            ended: None,
-            served_by: opened.served_by,
+            uplink,
+            buffer,
+            heeded: 0,
             batch_cycles,
             reported: 0,
+            over: None,
             events: Vec::new(),
+            changes: Vec::new(),
             answers: Vec::new(),
         })
     }
 
+    /// As [`open_at`](Self::open_at), with the patience that does for a process that is started again.
+    ///
+    /// # Errors
+    /// Those of [`open_at`](Self::open_at).
+    pub async fn open_anywhere(endpoints: Vec<String>, open: Open) -> Result<Self, Error> {
+        Self::open_at(endpoints, open, DEFAULT_PATIENCE).await
+    }
+
     /// The motion that is adopted, with the closing stop of a plan that ends at speed.
+    ///
+    /// # Panics
+    /// Never: a stream that is open has one.
     #[must_use]
+    #[expect(clippy::expect_used, reason = "it is there since the stream was opened")]
     pub fn motion(&self) -> &Motion {
-        &self.motion
+        self.uplink.failover().record().expect("a stream that is open").motion()
     }
 
     /// Asks for an operation on the motion. What becomes of it is among the [answers](Self::take_answers) of one of the cycles
     /// that follow. `false` if the stream is over.
-    pub async fn operate(&self, operation: Operation) -> bool {
-        match &self.reports {
-            Some(reports) => reports.say(&FromAxis::Operation(operation)).await,
-            None => false,
+    pub fn operate(&mut self, operation: Operation) -> bool {
+        if self.over.is_none() {
+            self.uplink.operate(operation);
         }
+        self.over.is_none()
     }
 
     /// What became of operations since the last call, by their ids.
@@ -80,12 +114,17 @@ impl Setpoints {
     /// Who serves the stream.
     #[must_use]
     pub fn served_by(&self) -> &str {
-        &self.served_by
+        self.uplink.failover().served_by()
     }
 
     /// What has happened since the last call.
     pub fn take_events(&mut self) -> Vec<StreamEvent> {
         std::mem::take(&mut self.events)
+    }
+
+    /// Which servers went on since the last call.
+    pub fn take_changes(&mut self) -> Vec<Change> {
+        std::mem::take(&mut self.changes)
     }
 
     /// What is held and what was accepted.
@@ -96,113 +135,85 @@ impl Setpoints {
 
     /// The next cycle; `None` after the last one of a stream that was opened to close at rest.
     ///
+    /// Where nobody serves any more and the motion has not ended, the cycles of the way to rest come, and then the error.
+    ///
     /// # Errors
-    /// A gap, a jump, a wrong digest ([`Error::Protocol`]); a stream that the server ends ([`Error::Rejected`]); a server
-    /// that is gone ([`Error::Unreachable`]). What was handed out before stays true.
+    /// Batches that cannot be taken ([`Error::Protocol`]); a stream that the server ends ([`Error::Rejected`]); a server
+    /// that is gone ([`Error::Unreachable`]), with no other that goes on. What was handed out before stays true.
     pub async fn next(&mut self) -> Result<Option<Playing<'_>>, Error> {
         // What replaces cycles that are held is of use only before those are played.
-        while self.buffer.held() > 0 && self.receive_if_there().await? {}
+        while self.buffer.held() > 0 && self.over.is_none() {
+            let next = tokio::select! {
+                biased;
+                next = self.uplink.next() => next,
+                () = std::future::ready(()) => break,
+            };
+            self.take(next);
+        }
         while self.buffer.held() == 0 {
-            match self.receive().await {
-                Ok(true) => {}
-                Ok(false) => return Ok(None),
-                // Everything is played: how the farewell goes does not matter any more.
-                Err(_) if self.buffer.is_finished() => return Ok(None),
-                Err(error) => return Err(error),
+            if let Some(how) = &self.over {
+                match how {
+                    Ok(()) => return Ok(None),
+                    Err(_) if self.buffer.is_finished() => return Ok(None),
+                    Err(_) if self.buffer.starve() => break,
+                    Err(error) => return Err(error.clone()),
+                }
             }
+            let next = self.uplink.next().await;
+            self.take(next);
         }
         let due = self.buffer.executed() + 1 >= self.reported + self.batch_cycles;
         self.buffer.play();
         if due || self.buffer.is_finished() {
-            self.report(None).await;
+            self.report(None);
         }
         Ok(self.buffer.playing())
     }
 
     /// Closes the axis's side: the server finishes.
     pub fn close(&mut self) {
-        self.reports = None;
+        self.uplink.close();
     }
 
-    /// Takes one message if it has come; `false` if not.
-    async fn receive_if_there(&mut self) -> Result<bool, Error> {
-        if self.ended.is_some() {
-            return Ok(false);
+    fn take(&mut self, next: Next) {
+        match next {
+            Next::Feed(feed) => self.feed(feed),
+            Next::News(News::Opened(_)) => {}
+            Next::News(News::Event(event)) => self.events.push(event),
+            Next::News(News::Answer(id, answer)) => self.answers.push((id, answer)),
+            Next::News(News::FailedOver(change)) => self.changes.push(change),
+            Next::News(News::Over(how)) => self.over = Some(how.map_err(|failure| failure.cause)),
         }
-        let message = tokio::select! {
-            biased;
-            message = self.link.next() => message,
-            () = std::future::ready(()) => return Ok(false),
-        };
-        match message {
-            Ok(Some((epoch, message))) => return self.take(epoch, message).await.map(|()| true),
-            Ok(None) => self.ended = Some(Ok(())),
-            Err(error) => self.ended = Some(Err(error)),
-        }
-        Ok(false)
     }
 
-    /// Takes one message; `false` when there is none any more.
-    async fn receive(&mut self) -> Result<bool, Error> {
-        let message = match self.ended.take() {
-            Some(how) => how.map(|()| None)?,
-            None => self.link.next().await?,
-        };
-        let Some((epoch, message)) = message else {
-            let finished = self.buffer.is_finished() || self.reports.is_none();
-            let nothing_moves = self.events.iter().any(|event| event.kind == StreamEventKind::Finished);
-            if finished || nothing_moves {
-                return Ok(false);
+    fn feed(&mut self, feed: Feed) {
+        match feed {
+            Feed::Revised(epoch, revision) => {
+                self.buffer.announce(epoch, revision);
             }
-            return Err(Error::Protocol("the stream ended before the motion did".into()));
-        };
-        self.take(epoch, message).await.map(|()| true)
-    }
-
-    async fn take(&mut self, epoch: u64, message: ToAxis) -> Result<(), Error> {
-        match message {
-            ToAxis::Opened(_) => return Err(Error::Protocol("the stream was opened twice".into())),
-            ToAxis::Revised(revised) => {
-                self.buffer.announce(epoch, Revision::of(&revised.motion));
-                self.announced = Some(revised.motion);
-            }
-            ToAxis::Batch(batch) => self.accept(epoch, &batch).await?,
-            ToAxis::Event(event) => self.events.push(event),
-            ToAxis::Result(result) => self.answers.push((result.request_id.clone(), Ok(result))),
-            ToAxis::Refusal(OperationRefusal { request_id, rejected }) => {
-                self.answers.push((request_id, Err(rejected)));
-            }
-        }
-        Ok(())
-    }
-
-    async fn accept(&mut self, epoch: u64, batch: &Batch) -> Result<(), Error> {
-        let adopted = self.buffer.revision();
-        if let Err(refused) = self.buffer.accept(epoch, batch) {
-            // A splice that came too late is planned again, with what followed on it; the motion goes on as it was.
-            return match &self.reports {
-                Some(_) if self.buffer.awaits_revision() => {
-                    self.report(Some(refused)).await;
-                    Ok(())
+            Feed::Batch(epoch, mut batch) => {
+                let adopted = self.buffer.revision();
+                match self.buffer.accept(epoch, &mut batch) {
+                    Err(refused) => self.report(Some(refused)),
+                    Ok(()) if self.buffer.revision() != adopted => self.report(None),
+                    Ok(()) => {}
                 }
-                _ => Err(Error::refused(&refused)),
-            };
-        }
-        if self.buffer.revision() != adopted {
-            if let Some(announced) = self.announced.take() {
-                self.motion = announced;
             }
-            self.report(None).await;
+            Feed::Resuming => {
+                self.buffer.resuming(true);
+                self.heeded += 1;
+                self.report(None);
+            }
+            Feed::Stays => self.buffer.resuming(false),
+            Feed::GoesOn(epoch, rested) => {
+                self.buffer.goes_on(epoch, rested);
+                self.report(None);
+            }
         }
-        Ok(())
     }
 
-    async fn report(&mut self, refused: Option<Refused>) {
+    fn report(&mut self, refused: Option<Refused>) {
         self.reported = self.buffer.executed();
-        let report = self.buffer.report(refused);
-        if let Some(reports) = &self.reports {
-            // A stream that is over says so when it is read.
-            reports.send(&report).await;
-        }
+        self.uplink.report(self.buffer.report(refused), self.heeded);
     }
 }

@@ -58,6 +58,14 @@ impl CycleTime {
         cycles * self.ns as f64 / 1e9
     }
 
+    /// When `cycle` of a motion that ends with cycle `cycle_count` is due \[s\]: from that on it has ended, though the cycle may be due
+    /// a rounding before that, and the time is ∞.
+    #[must_use]
+    #[inline]
+    pub fn time_of(self, cycle: u64, cycle_count: u64) -> f64 {
+        if cycle < cycle_count { self.start_of(cycle) } else { f64::INFINITY }
+    }
+
     /// The first cycle at or after `duration` \[s\]: the one at which a motion of that length has ended. `None` beyond
     /// [`LAST_CYCLE`].
     #[must_use]

@@ -201,7 +201,7 @@ impl Plan {
     /// When `cycle` is due \[s\]. The last cycle of the plan is its end, though it may be due a rounding before that.
     #[must_use]
     pub fn time_of(&self, cycle: u64) -> f64 {
-        time_of(cycle, self.cycle_count, self.cycle_time)
+        self.cycle_time.time_of(cycle, self.cycle_count)
     }
 
     /// Reads setpoints cycle by cycle.
@@ -270,10 +270,6 @@ pub(crate) fn adjusted(
     .map(move |(quantity, asked, _, planned)| Adjustment { quantity, asked, planned, reason })
 }
 
-fn time_of(cycle: u64, cycle_count: u64, cycle_time: CycleTime) -> f64 {
-    if cycle < cycle_count { cycle_time.start_of(cycle) } else { f64::INFINITY }
-}
-
 /// Setpoints that are computed at once.
 const RUN: usize = 8;
 
@@ -324,6 +320,6 @@ impl Sampler<'_> {
     }
 
     fn time_of(&self, cycle: u64) -> f64 {
-        time_of(cycle, self.cycle_count, self.cycle_time)
+        self.cycle_time.time_of(cycle, self.cycle_count)
     }
 }

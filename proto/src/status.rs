@@ -65,6 +65,19 @@ impl Rejected {
         Self { fields: vec![violation], ..Self::new(reason, message) }
     }
 
+    /// The same, said of a message that stands in the field called `outer`.
+    #[must_use]
+    pub fn inside(mut self, outer: &str) -> Self {
+        let told = self.fields.first().is_some_and(|first| self.message.starts_with(&first.field));
+        if told {
+            self.message.insert_str(0, &format!("{outer}."));
+        }
+        for violation in &mut self.fields {
+            violation.field.insert_str(0, &format!("{outer}."));
+        }
+        self
+    }
+
     /// The refusal of a request for its invalid fields, or `None` if there are none. The reason is that of the
     /// first field.
     pub fn for_fields(fields: Vec<FieldViolation>) -> Option<Self> {

@@ -6,9 +6,10 @@
 mod motion;
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 pub use planner::motion::Phase;
-use planner::{Accepted, Plan, Setpoint};
+use planner::{Accepted, Plan, Profile, Setpoint};
 
 use crate::Digest;
 pub use motion::{
@@ -63,7 +64,40 @@ pub struct Open {
     /// The last cycle given to the servo; 0 for a new stream.
     pub executed_cycle: u64,
     /// What is to be played.
-    pub plan: Accepted,
+    pub source: Source,
+}
+
+/// What a stream is opened with.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// A new motion, from the state in which the axis stands.
+    Plan(Accepted),
+    /// A motion under way, as the axis has adopted it.
+    Resume(Box<Resume>),
+}
+
+/// All that a server needs to go on with a stream that another has served.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resume {
+    /// The motion at the revision that the axis has adopted.
+    pub motion: Motion,
+    /// The first cycle that the axis does not hold, after the motion's first.
+    pub next_cycle: u64,
+    /// Of the cycle before it.
+    pub digest: Digest,
+    /// A cycle to recompute the digest from: at most [`FARTHEST_CHECKPOINT`] before `next_cycle`, not before the motion.
+    pub checkpoint_cycle: u64,
+    /// Of the cycle before it; zero for cycle 0.
+    pub checkpoint_digest: Digest,
+}
+
+impl Resume {
+    /// The digest of the last cycle that is held, computed again from the checkpoint.
+    #[must_use]
+    pub fn recomputed(&self) -> Digest {
+        let known = self.checkpoint_cycle.saturating_sub(1);
+        self.motion.digest_from((known, self.checkpoint_digest), self.next_cycle - 1)
+    }
 }
 
 /// How far ahead an axis holds setpoints where it does not say \[cycles\].
@@ -76,6 +110,8 @@ pub const DEFAULT_AXIS_GUARD: u32 = 2;
 pub const LEAD_CYCLES: RangeInclusive<u32> = 10..=250;
 /// How many cycles may go into a batch: it bounds the size of a message.
 pub const BATCH_CYCLES: RangeInclusive<u32> = 1..=1000;
+/// The farthest that a checkpoint lies before the cycle to go on from \[cycles\]: to check so many takes less than a millisecond.
+pub const FARTHEST_CHECKPOINT: u64 = 1000;
 /// The farthest that a server sends past the reported executed cycle \[cycles\], whatever is granted.
 pub const FARTHEST_AHEAD: u64 = 4096;
 
@@ -114,6 +150,36 @@ pub struct Batch {
     pub columns: Columns,
     /// The digest of the last cycle.
     pub digest: Digest,
+    /// The way to rest from the last cycle.
+    pub tails: Tails,
+}
+
+/// The way to rest of each axis, in plan order, from the last cycle of a batch: what an axis plays that hears no more. Its time
+/// is zero at that cycle. Of no axes where all rest.
+///
+/// Whoever holds it shares it: a clone costs no memory.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tails(Option<Arc<[Profile]>>);
+
+impl Tails {
+    /// One for each axis; each ends at rest.
+    #[must_use]
+    pub fn new(profiles: impl IntoIterator<Item = Profile>) -> Self {
+        let profiles: Arc<[Profile]> = profiles.into_iter().collect();
+        Self((!profiles.is_empty()).then_some(profiles))
+    }
+
+    /// The way of each axis.
+    #[must_use]
+    pub fn profiles(&self) -> &[Profile] {
+        self.0.as_deref().unwrap_or_default()
+    }
+
+    /// How long the slowest axis takes to rest \[s\].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.profiles().iter().map(Profile::duration).fold(0.0, f64::max)
+    }
 }
 
 impl Batch {
@@ -278,11 +344,13 @@ pub enum RefusalReason {
     Resuming,
     /// It goes beyond what was granted.
     BeyondGrant,
+    /// Its way to rest does not follow from its last setpoint, or does not end at rest.
+    StopTail,
 }
 
 impl RefusalReason {
     /// Every reason.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Gap,
         Self::TooLate,
         Self::JoinMismatch,
@@ -292,7 +360,22 @@ impl RefusalReason {
         Self::Revision,
         Self::Resuming,
         Self::BeyondGrant,
+        Self::StopTail,
     ];
+
+    /// Does it say that the server sends what no axis may take, rather than that it came too late, or at a time when it must not?
+    #[must_use]
+    pub fn is_of_its_server(self) -> bool {
+        match self {
+            Self::Gap
+            | Self::JoinMismatch
+            | Self::DigestMismatch
+            | Self::NotFinite
+            | Self::BeyondGrant
+            | Self::StopTail => true,
+            Self::TooLate | Self::StaleEpoch | Self::Revision | Self::Resuming => false,
+        }
+    }
 
     /// The name on the wire.
     #[must_use]
@@ -307,6 +390,7 @@ impl RefusalReason {
             Self::Revision => "REVISION",
             Self::Resuming => "RESUMING",
             Self::BeyondGrant => "BEYOND_GRANT",
+            Self::StopTail => "STOP_TAIL",
         }
     }
 }

@@ -10,7 +10,7 @@
 use planner::{Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, State};
 use proto::stream::{
     Ask, Batch, FARTHEST_AHEAD, FromAxis, Motion, Open, Operation, OperationResult, Phase, RefusalReason,
-    Refused, Report, StreamEvent, StreamEventKind, ToAxis,
+    Refused, Report, Source, StreamEvent, StreamEventKind, ToAxis,
 };
 use proto::{Digest, Reason, Rejected};
 use server::session::{Event, Output, Session};
@@ -49,7 +49,7 @@ fn open(plan: Accepted) -> Open {
         close_at_rest: true,
         accept_unproved: false,
         executed_cycle: 0,
-        plan,
+        source: Source::Plan(plan),
     }
 }
 

@@ -3,8 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
-use client::Reports;
-use proto::stream::{FromAxis, Operation, OperationResult};
+use proto::stream::{Operation, OperationResult};
 use proto::{Reason, Rejected};
 use tokio::sync::{mpsc, oneshot};
 
@@ -21,11 +20,11 @@ pub struct Answered(oneshot::Receiver<Result<OperationResult, Rejected>>);
 /// One operation, and whoever waits for what becomes of it.
 #[derive(Debug)]
 pub(crate) struct Command {
-    operation: Operation,
-    answer: Answer,
+    pub(crate) operation: Operation,
+    pub(crate) answer: Answer,
 }
 
-type Answer = oneshot::Sender<Result<OperationResult, Rejected>>;
+pub(crate) type Answer = oneshot::Sender<Result<OperationResult, Rejected>>;
 
 /// Commands that wait to be forwarded.
 const COMMANDS: usize = 16;
@@ -92,21 +91,10 @@ impl Waiting {
         Answered(answered)
     }
 
-    fn expect(&self, request_id: &str, answer: Answer) {
+    pub(crate) fn expect(&self, request_id: &str, answer: Answer) {
         let mut answers = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
         answers.entry(request_id.to_owned()).or_default().push(answer);
     }
-}
-
-/// Forwards commands until the stream is over, or nobody is left who could ask.
-pub(crate) async fn forward(mut commands: mpsc::Receiver<Command>, reports: Reports, waiting: &Waiting) {
-    while let Some(Command { operation, answer }) = commands.recv().await {
-        waiting.expect(&operation.request_id, answer);
-        if !reports.say(&FromAxis::Operation(operation)).await {
-            break;
-        }
-    }
-    waiting.give_up();
 }
 
 fn not_confirmed() -> Rejected {

@@ -15,6 +15,7 @@ use std::thread::{self, Thread};
 
 use client::Revision;
 use planner::CycleTime;
+use proto::Digest;
 use proto::stream::{Batch, Report};
 use rtrb::{Consumer, Producer, RingBuffer};
 use tokio::sync::{Notify, oneshot};
@@ -31,8 +32,22 @@ pub(crate) enum Fed {
     Batch(u64, Batch),
     /// What setpoints will follow from, and the epoch that it is of.
     Revised(u64, Revision),
+    /// To begin no revision from here on.
+    Resuming,
+    /// The server stays.
+    Stays,
+    /// Another goes on, under this epoch.
+    GoesOn(u64, Option<(Revision, Digest)>),
     /// Nothing more will come.
     Closed,
+}
+
+/// What the cycle thread says to the network.
+#[derive(Debug)]
+pub(crate) struct Word {
+    pub(crate) report: Report,
+    /// How many times [`Fed::Resuming`] was taken in.
+    pub(crate) heeded: u64,
 }
 
 /// What the cycle thread does not need any more: it is freed where it came from.
@@ -65,7 +80,7 @@ pub(crate) struct Feed {
 /// Where reports come out.
 #[derive(Debug)]
 pub(crate) struct ReportRing {
-    pub(crate) reports: Consumer<Report>,
+    pub(crate) reports: Consumer<Word>,
     pub(crate) news: Arc<Notify>,
     pub(crate) thread: Waker,
 }
@@ -98,9 +113,10 @@ struct Inside {
     batches: Consumer<Fed>,
     emptied: Producer<Emptied>,
     room: Arc<Notify>,
-    reports: Producer<Report>,
+    reports: Producer<Word>,
     /// The newest report that found no room.
     unsent: Option<Report>,
+    heeded: u64,
     reported: Arc<Notify>,
     chunk: Option<Chunk>,
     full: Producer<Chunk>,
@@ -149,6 +165,7 @@ pub(crate) fn spawn(player: Player, cycle: CycleTime, clock: Clock) -> std::io::
         room: Arc::clone(&room),
         reports: report_in,
         unsent: None,
+        heeded: 0,
         reported: Arc::clone(&reported),
         chunk: None,
         full: full_in,
@@ -250,8 +267,18 @@ impl Inside {
                         let _ = self.emptied.push(Emptied::Revision(old));
                     }
                 }
-                Fed::Batch(epoch, batch) => {
-                    let refusal = self.player.accept(epoch, &batch);
+                Fed::Resuming => {
+                    self.heeded += 1;
+                    self.player.resuming();
+                }
+                Fed::Stays => self.player.stays(),
+                Fed::GoesOn(epoch, rested) => {
+                    if let Some(old) = self.player.goes_on(epoch, rested) {
+                        let _ = self.emptied.push(Emptied::Revision(old));
+                    }
+                }
+                Fed::Batch(epoch, mut batch) => {
+                    let refusal = self.player.accept(epoch, &mut batch);
                     let _ = self.emptied.push(Emptied::Batch(batch));
                     if let Some(report) = refusal {
                         self.report(report);
@@ -298,7 +325,8 @@ impl Inside {
 
     fn put_out_report(&mut self) {
         let Some(report) = self.unsent.take() else { return };
-        if let Err(rtrb::PushError::Full(report)) = self.reports.push(report) {
+        let word = Word { report, heeded: self.heeded };
+        if let Err(rtrb::PushError::Full(Word { report, .. })) = self.reports.push(word) {
             self.unsent = Some(report);
         }
         self.reported.notify_one();
@@ -417,13 +445,14 @@ mod tests {
             last: false,
             columns: proto::stream::Columns::default(),
             digest: proto::Digest::ZERO,
+            tails: proto::stream::Tails::default(),
         };
         for _ in 0..100 * BATCHES {
             assert!(feed.push(Fed::Batch(0, stale.clone())).await);
         }
         assert!(feed.push(Fed::Batch(1, stale.clone())).await);
         reports.news.notified().await;
-        assert!(reports.reports.pop().unwrap().refused.is_some());
+        assert!(reports.reports.pop().unwrap().report.refused.is_some());
         assert!(feed.push(Fed::Closed).await);
         let left = outcome.await.unwrap();
         assert_eq!(left.player.buffer().counters().stale_epochs, 100 * BATCHES as u64);

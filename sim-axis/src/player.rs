@@ -23,10 +23,9 @@ use crate::monitor::ReportCard;
 /// ```
 ///
 /// # Starvation
-/// A cycle that is due and not held is an underrun, also where nothing more will come: it is counted, and the axis is held where the last setpoint was, at
-/// velocity 0, for that cycle. The number of the cycle stays due; play goes on with it as soon as it is held, so that the
-/// motion is late and never cut short. Nothing is extrapolated. A hold asks for any deceleration, which a simulated axis
-/// survives and its following error shows; a real one needs a stop that was planned.
+/// A cycle that is due in motion and not held is an underrun. From it on the axis plays the way to rest that came with the last cycle
+/// that it held, and then stands still; nothing is extrapolated. Where a server goes on after that, play goes on with it. An axis
+/// at rest that hears no more stands still, and has lost nothing: the number of the next cycle stays due.
 #[derive(Clone, Debug)]
 pub struct Player {
     buffer: Buffer,
@@ -44,6 +43,11 @@ pub struct Player {
     reported: u64,
     /// The revision of the last report.
     told_revision: u64,
+    /// The last cycle that was held when the server was last told that the lead is low.
+    told_low: Option<u64>,
+    /// The server is to hear at once.
+    urgent: bool,
+    tail_used: bool,
     refused: Option<Place>,
     diverged: Option<Divergence>,
 }
@@ -107,6 +111,9 @@ impl Player {
             digest: Digest::ZERO,
             reported: 0,
             told_revision: 0,
+            told_low: None,
+            urgent: false,
+            tail_used: false,
             refused: None,
             diverged: None,
         }
@@ -116,12 +123,11 @@ impl Player {
     ///
     /// Of several batches of one sending, the first that is refused is reported: those behind it are refused too, for the
     /// gap that it left, and are counted.
-    pub fn accept(&mut self, epoch: u64, batch: &Batch) -> Option<Report> {
+    pub fn accept(&mut self, epoch: u64, batch: &mut Batch) -> Option<Report> {
         let adopted = self.buffer.revision();
         let Err(refused) = self.buffer.accept(epoch, batch) else {
-            if self.buffer.revision() != adopted && self.watches_rest && !self.buffer.is_at_rest() {
-                self.watches_rest = false;
-                self.axes.iter_mut().for_each(Axis::go_on);
+            if self.buffer.revision() != adopted {
+                self.go_on();
             }
             return None;
         };
@@ -137,6 +143,37 @@ impl Player {
     pub fn announce(&mut self, epoch: u64, revision: Revision) -> Option<Revision> {
         self.refused = None;
         self.buffer.announce(epoch, revision)
+    }
+
+    /// Begins no revision any more, until another server goes on or [`stays`](Self::stays); a report is due, which says so.
+    pub fn resuming(&mut self) {
+        self.buffer.resuming(true);
+        self.urgent = true;
+    }
+
+    /// The server stays.
+    pub fn stays(&mut self) {
+        self.buffer.resuming(false);
+    }
+
+    /// Another server goes on, as [`Buffer::goes_on`] says.
+    pub fn goes_on(&mut self, epoch: u64, rested: Option<(Revision, Digest)>) -> Option<Revision> {
+        (self.urgent, self.refused, self.told_low) = (true, None, None);
+        self.buffer.goes_on(epoch, rested)
+    }
+
+    /// Was a way to rest played?
+    #[must_use]
+    pub fn tail_used(&self) -> bool {
+        self.tail_used
+    }
+
+    /// The motion goes on where it had come to rest.
+    fn go_on(&mut self) {
+        if self.watches_rest && !self.buffer.is_at_rest() {
+            self.watches_rest = false;
+            self.axes.iter_mut().for_each(Axis::go_on);
+        }
     }
 
     /// Nothing more will come: what is held is played, then the axis rests.
@@ -254,11 +291,17 @@ impl Player {
         let executed = self.buffer.executed();
         let is_last = self.buffer.is_finished() || self.is_at_standstill();
         let revision = self.buffer.revision();
+        // Whoever looks for another server is to hear of a low lead while there is some left; once.
+        let low = self.buffer.is_low().then(|| self.buffer.accepted());
+        let is_low = low.is_some() && low != self.told_low;
         let is_due = executed >= self.reported + self.batch_cycles
             || (is_last && executed > self.reported)
-            || revision != self.told_revision;
+            || revision != self.told_revision
+            || (is_low && self.phase == Phase::Playing)
+            || self.urgent;
         if is_due {
             (self.reported, self.told_revision) = (executed, revision);
+            (self.told_low, self.urgent) = (low.or(self.told_low), false);
         }
         is_due.then(|| self.buffer.report(None))
     }
@@ -284,6 +327,9 @@ impl Player {
     }
 
     fn play(&mut self) -> Beat {
+        if self.buffer.held() == 0 && !self.buffer.is_at_rest() && self.buffer.starve() {
+            (self.tail_used, self.urgent) = (true, true);
+        }
         let motion_end = self.buffer.motion_end();
         let Some(playing) = self.buffer.play() else { return self.starve() };
         let cycle = playing.cycle;
@@ -307,8 +353,10 @@ impl Player {
         Beat::Played
     }
 
+    /// Stands still, since there is nothing to play.
     fn starve(&mut self) -> Beat {
         if !self.buffer.is_at_rest() {
+            // A server that sent no way to rest.
             self.buffer.count_underrun();
         }
         if self.closed {

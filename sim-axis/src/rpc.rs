@@ -161,6 +161,7 @@ async fn carry(mut tracking: Tracking, sender: &Outgoing) {
         let message = match update {
             Update::Samples(samples) => Message::Samples(samples.into()),
             Update::Event(event) => Message::Event(event.into()),
+            Update::FailedOver(change) => Message::FailOver(convert::change_to_wire(change)),
         };
         if sender.send(Ok(pb::RunTrackingResponse { message: Some(message) })).await.is_err() {
             return;

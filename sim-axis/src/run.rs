@@ -2,22 +2,23 @@
 
 use std::collections::VecDeque;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime};
 
-use client::{Buffer, Client, Link, Reports, Revision, Standing};
+use client::failover::{Change, DEFAULT_PATIENCE, Failure, News};
+use client::{Buffer, Next, Standing, Uplink};
 use planner::{Accepted, AxisKind, Setpoint};
 use proto::Digest;
 use proto::stream::{
-    Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES, FromAxis, Motion, Open, Opened,
-    Operation, OperationRefusal, StreamEvent, ToAxis,
+    Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES, Motion, Open, Opened, Operation,
+    Source, StreamEvent,
 };
 use tokio::sync::{mpsc, oneshot};
-use tonic::Code;
 
 use crate::axis::{Axis, AxisConfig, InvalidConfig};
 use crate::clock::Clock;
-use crate::commands::{Answered, Command, Commander, Waiting, commander, forward};
-use crate::cycle_thread::{Fed, Feed, Outcome, Outside, ReportRing, SampleRing, spawn};
+use crate::commands::{Answered, Command, Commander, Waiting, commander};
+use crate::cycle_thread::{Fed, Feed, Outcome, Outside, ReportRing, SampleRing, Word, spawn};
 use crate::jitter::Jitter;
 use crate::model::AxisModel;
 use crate::monitor::ReportCard;
@@ -29,7 +30,7 @@ use crate::samples::Samples;
 pub struct TrackRequest {
     /// Name of the stream to open.
     pub stream: String,
-    /// Where planners are; tried in order until one opens the stream.
+    /// Where planners are; tried in order until one opens the stream, and again where the one that serves it is lost.
     pub endpoints: Vec<String>,
     /// The motion.
     pub plan: Accepted,
@@ -47,6 +48,8 @@ pub struct TrackRequest {
     pub stay_open: bool,
     /// Take a plan that does not guarantee velocity and acceleration?
     pub accept_unproved: bool,
+    /// How long a planner that goes on is looked for, once there is none.
+    pub patience: Duration,
 }
 
 /// How long loads are watched after the last setpoint where nobody says [s]: two dozen swings of a soft machine.
@@ -76,6 +79,7 @@ impl TrackRequest {
             settle_tolerance: None,
             stay_open: false,
             accept_unproved: false,
+            patience: DEFAULT_PATIENCE,
         }
     }
 }
@@ -120,6 +124,8 @@ pub enum Update {
     Samples(Samples),
     /// Something happened to the stream.
     Event(StreamEvent),
+    /// Another planner goes on with it.
+    FailedOver(Change),
 }
 
 /// Why a run has no report, or none that is whole.
@@ -152,9 +158,9 @@ pub enum TrackError {
         /// What it said.
         cause: client::Error,
     },
-    /// The stream broke off before the motion had ended. The axis has played what it held, and holds.
+    /// The stream broke off before the motion had ended, and no planner went on. The axis has played what it held, and its way to rest.
     #[error(
-        "the stream ended at cycle {executed} of {motion_end}: {cause}; the axis holds there: plan from where it stands \
+        "the stream ended at cycle {executed} of {motion_end}: {cause}; the axis rests there: plan from where it stands \
          and run again"
     )]
     Broken {
@@ -248,23 +254,22 @@ impl Tracking {
     ) -> Result<(Self, Vec<Answered>), TrackError> {
         let axes = axes(&request)?;
         let open = open_of(&request);
-        let opened = open_somewhere(&request.endpoints, &open).await?;
-        let player = player(&open, axes, &opened.motion);
+        let cycle = request.plan.plan().cycle_time();
+        let mut uplink = Uplink::new(request.endpoints.clone(), open.clone(), cycle, request.patience);
+        let Opened { motion, served_by, .. } = opened(&mut uplink).await?;
+        let player = player(&open, axes, &motion, &uplink);
         let (commander, commands) = commander();
-        let cycle = open.plan.plan().cycle_time();
         let outside = spawn(player, cycle, request.clock).map_err(|e| TrackError::Thread(e.to_string()))?;
         let (teller, updates) = mpsc::channel(UPDATES);
         let (done, result) = oneshot::channel();
-        let Opening { motion, served_by, link, reports } = opened;
         let waiting = Waiting::default();
         let mut answers = Vec::with_capacity(operations.len());
         for operation in operations {
             answers.push(waiting.answered(&operation.request_id));
-            // A stream that is over says so where it is read.
-            reports.say(&FromAxis::Operation(operation)).await;
+            uplink.operate(operation);
         }
         tokio::spawn(async move {
-            let result = carry((link, reports), outside, teller, request.clock, (commands, waiting)).await;
+            let result = carry(uplink, outside, teller, request.clock, (commands, waiting)).await;
             // Nobody to tell is not a failure.
             let _ = done.send(result);
         });
@@ -315,8 +320,6 @@ const UPDATES: usize = 4;
 const WAITING: usize = 64;
 /// Events that wait to be taken up.
 const EVENTS: usize = 64;
-/// How long a planner may take to connect and to open the stream.
-const OPENING: Duration = Duration::from_secs(10);
 /// How long the server may take to end a stream that the axis has closed.
 const GOODBYE: Duration = Duration::from_secs(1);
 
@@ -357,7 +360,7 @@ fn open_of(request: &TrackRequest) -> Open {
         close_at_rest: !request.stay_open,
         accept_unproved: request.accept_unproved,
         executed_cycle: 0,
-        plan: request.plan.clone(),
+        source: Source::Plan(request.plan.clone()),
     }
 }
 
@@ -368,60 +371,27 @@ fn fresh_epoch() -> u64 {
     u64::try_from(since.as_nanos()).unwrap_or(u64::MAX)
 }
 
-/// A stream that is open.
-struct Opening {
-    motion: Motion,
-    served_by: String,
-    link: Link,
-    reports: Reports,
-}
-
-/// Tries one planner after the other. One that refuses the request speaks for all; one that is gone, or about to leave,
-/// does not.
-async fn open_somewhere(endpoints: &[String], open: &Open) -> Result<Opening, TrackError> {
-    let mut last = None;
-    for endpoint in endpoints {
-        let opening = tokio::time::timeout(OPENING, open_at(endpoint, open)).await;
-        match opening.unwrap_or_else(|_| Err(no_answer(endpoint))) {
-            Ok(opening) => return Ok(opening),
-            Err(cause) => {
-                tracing::info!(endpoint, %cause, "not opened here");
-                let speaks_for_all = matches!(
-                    &cause, client::Error::Rejected(rejected) if rejected.reason.code() != Code::Unavailable
-                );
-                last = Some(TrackError::NotOpened { endpoint: endpoint.clone(), cause });
-                if speaks_for_all {
-                    break;
-                }
+/// Waits until one planner has opened the stream, or all have been asked.
+async fn opened(uplink: &mut Uplink) -> Result<Opened, TrackError> {
+    loop {
+        match uplink.next().await {
+            Next::News(News::Opened(opened)) => return Ok(*opened),
+            Next::News(News::Over(Err(Failure { endpoint, cause }))) => {
+                let endpoint = uplink.endpoint(endpoint).to_owned();
+                return Err(TrackError::NotOpened { endpoint, cause });
             }
+            Next::News(News::Over(Ok(()))) => return Err(TrackError::NoEndpoint),
+            Next::News(_) | Next::Feed(_) => {}
         }
     }
-    Err(last.unwrap_or(TrackError::NoEndpoint))
 }
 
-async fn open_at(endpoint: &str, open: &Open) -> Result<Opening, client::Error> {
-    let client = Client::connect(endpoint).await?;
-    let (reports, mut link) = client.open(open.clone()).await?;
-    match link.next().await? {
-        Some((_, ToAxis::Opened(opened))) => {
-            let Opened { motion, served_by, first_cycle: _, current_epoch: _ } = *opened;
-            Ok(Opening { motion, served_by, link, reports })
-        }
-        Some(_) => Err(client::Error::Protocol("the first message does not open the stream".into())),
-        None => Err(client::Error::Protocol("the stream ended before it was opened".into())),
-    }
-}
-
-fn no_answer(endpoint: &str) -> client::Error {
-    let cause = format!("no answer within {} s", OPENING.as_secs());
-    client::Error::Unreachable { endpoint: endpoint.into(), cause }
-}
-
-fn player(open: &Open, axes: Vec<Axis>, motion: &Motion) -> Player {
+fn player(open: &Open, axes: Vec<Axis>, motion: &Motion, uplink: &Uplink) -> Player {
     let plan = motion.plan();
-    let setpoints: Vec<Setpoint> = open.plan.plan().sampler().at(0).collect();
+    // A closing stop changes nothing at the beginning.
+    let setpoints: Vec<Setpoint> = plan.sampler().at(0).collect();
     let buffer = Buffer::new(&Standing {
-        epoch: open.epoch,
+        epoch: uplink.failover().serving_epoch().unwrap_or(open.epoch),
         lead_cycles: open.lead_cycles,
         axis_guard: open.axis_guard,
         plan,
@@ -433,68 +403,67 @@ fn player(open: &Open, axes: Vec<Axis>, motion: &Motion) -> Player {
 /// Carries everything between the network, the cycle thread and whoever looks on, until the cycle thread is done. One
 /// task: what wakes it for several reasons wakes it once.
 async fn carry(
-    (link, reports): (Link, Reports),
+    uplink: Uplink,
     outside: Outside,
     teller: mpsc::Sender<Update>,
     clock: Clock,
     (commands, waiting): (mpsc::Receiver<Command>, Waiting),
 ) -> Result<TrackingReport, TrackError> {
     // Kept to the end: without it the cycle thread stops at once.
-    let Outside { mut feed, reports: report_ring, samples, outcome } = outside;
+    let Outside { mut feed, reports, samples, outcome } = outside;
     let sampled = Arc::clone(&samples.news);
     let (events, event_queue) = mpsc::channel(EVENTS);
     let nobody = teller.clone();
-    let mut forwarding = Box::pin(forward(commands, reports.clone(), &waiting));
-    let mut feeding = Box::pin(feed_from(link, &mut feed, events, &waiting));
+    let failovers = AtomicU64::new(0);
+    let stream = Stream { uplink, reports, commands, waiting: &waiting, events, failovers: &failovers };
+    let mut streaming = Box::pin(stream.carry(&mut feed));
     let mut telling = Box::pin(tell(samples, event_queue, teller, clock));
-    let mut speaking = Box::pin(speak(report_ring, reports));
     let mut outcome = std::pin::pin!(outcome);
-    let (mut ended, mut told, mut forwarded) = (None, false, false);
+    let (mut ended, mut told) = (None, false);
 
     let outcome = loop {
         tokio::select! {
             done = &mut outcome => break done,
-            how = &mut feeding, if ended.is_none() => ended = Some(how),
+            how = &mut streaming, if ended.is_none() => ended = Some(how),
             () = &mut telling, if !told => told = true,
-            () = &mut speaking => {}
-            () = &mut forwarding, if !forwarded => forwarded = true,
             () = nobody.closed() => return Err(TrackError::Abandoned),
         }
     };
-    // Closes the axis's side: the server ends the stream.
-    drop((speaking, forwarding));
     // A thread that ended without a word has not woken anybody.
     sampled.notify_one();
-    if ended.is_none() {
+    let finished = outcome.as_ref().is_ok_and(|outcome| outcome.player.buffer().is_finished());
+    if ended.is_none() && finished {
+        // The server has the last word.
         let goodbye = async {
             loop {
                 tokio::select! {
-                    how = &mut feeding => break how,
+                    how = &mut streaming => break how,
                     () = &mut telling, if !told => told = true,
                 }
             }
         };
         ended = tokio::time::timeout(GOODBYE, goodbye).await.ok();
     }
-    // Drops what feeds events, so that telling comes to an end.
-    drop(feeding);
+    // Closes the axis's side, and drops what feeds events, so that telling comes to an end.
+    drop(streaming);
     if !told {
         telling.await;
     }
     drop(nobody);
     let Outcome { player, lateness } =
         outcome.map_err(|_| TrackError::Thread("it has ended without a word".into()))?;
+    let failovers = failovers.load(Ordering::Relaxed);
     let report = tokio::task::spawn_blocking(move || {
         let (executed, arrived) = (player.buffer().executed(), player.has_arrived());
-        let motion_end = player.buffer().motion_end();
+        let motion_end = player.buffer().was_to_end();
         let stream = StreamReport {
             cycles_executed: executed,
             counters: player.buffer().counters(),
-            failovers: 0,
+            failovers,
             revisions: player.buffer().revision(),
             jitter: if clock == Clock::Wall { lateness.jitter() } else { Jitter::default() },
             digest: player.digest(),
-            stop_tail_used: false,
+            stop_tail_used: player.tail_used(),
         };
         let report = TrackingReport { axes: player.report_cards(), stream };
         (arrived.then_some(()).ok_or(motion_end), player.divergence(), report)
@@ -517,68 +486,97 @@ fn broken(report: TrackingReport, motion_end: u64, cause: client::Error) -> Trac
     TrackError::Broken { executed, motion_end, cause, report: Box::new(report) }
 }
 
-/// Brings what the server says to the cycle thread, until it has no more to say.
-async fn feed_from(
-    mut link: Link,
-    feed: &mut Feed,
-    events: mpsc::Sender<StreamEvent>,
-    waiting: &Waiting,
-) -> Result<(), client::Error> {
-    let how = loop {
-        match link.next().await {
-            Ok(Some((epoch, ToAxis::Batch(batch)))) => {
-                // A cycle thread that is done has no more use for it; the stream is read to its end all the same.
-                feed.push(Fed::Batch(epoch, batch)).await;
-            }
-            // Who does not take up events loses the newest: none of them says what a report does not.
-            Ok(Some((_, ToAxis::Event(event)))) => drop(events.try_send(event)),
-            Ok(Some((epoch, ToAxis::Revised(revised)))) => {
-                feed.push(Fed::Revised(epoch, Revision::of(&revised.motion))).await;
-            }
-            Ok(Some((_, ToAxis::Result(result)))) => waiting.tell(&result.request_id.clone(), &Ok(result)),
-            Ok(Some((_, ToAxis::Refusal(OperationRefusal { request_id, rejected })))) => {
-                waiting.tell(&request_id, &Err(rejected));
-            }
-            Ok(Some((_, ToAxis::Opened(_)))) => {
-                tracing::debug!("the server has opened the stream again");
-            }
-            Ok(None) => break Ok(()),
-            Err(error) => break Err(error),
-        }
-    };
-    waiting.give_up();
-    feed.push(Fed::Closed).await;
-    drop(events);
-    how.inspect_err(|error| tracing::warn!(%error, "the stream broke off"))
+/// A stream, whoever serves it, on its way to the cycle thread and back.
+struct Stream<'a> {
+    uplink: Uplink,
+    reports: ReportRing,
+    commands: mpsc::Receiver<Command>,
+    waiting: &'a Waiting,
+    events: mpsc::Sender<Update>,
+    failovers: &'a AtomicU64,
 }
 
-/// Tells the server where the axis is. Of several reports that wait, the newest says it all; refusals go one by one.
-async fn speak(mut ring: ReportRing, reports: Reports) {
-    loop {
-        ring.news.notified().await;
+impl Stream<'_> {
+    /// Until nothing more will come, and the cycle thread knows that.
+    async fn carry(mut self, feed: &mut Feed) -> Result<(), client::Error> {
+        let mut asked = true;
+        let how = loop {
+            tokio::select! {
+                biased;
+                next = self.uplink.next() => match next {
+                    // A cycle thread that is done has no more use for it; the stream is read to its end all the same.
+                    Next::Feed(next) => {
+                        feed.push(fed(next)).await;
+                    }
+                    Next::News(News::Over(how)) => break how.map_err(|failure| failure.cause),
+                    Next::News(news) => self.hear(news),
+                },
+                () = self.reports.news.notified() => self.report(),
+                command = self.commands.recv(), if asked => match command {
+                    Some(Command { operation, answer }) => {
+                        self.waiting.expect(&operation.request_id, answer);
+                        self.uplink.operate(operation);
+                    }
+                    None => asked = false,
+                },
+            }
+        };
+        self.waiting.give_up();
+        feed.push(Fed::Closed).await;
+        how.inspect_err(|error| tracing::warn!(%error, "the stream broke off"))
+    }
+
+    fn hear(&mut self, news: News) {
+        // Who does not take up events loses the newest: none of them says what a report does not.
+        match news {
+            News::Opened(_) | News::Over(_) => {}
+            News::Answer(id, answer) => self.waiting.tell(&id, &answer),
+            News::Event(event) => drop(self.events.try_send(Update::Event(event))),
+            News::FailedOver(change) => {
+                let Change { cause, from, to, executed_cycle, took } = &change;
+                let cause = cause.name();
+                tracing::info!(cause, from, to, executed_cycle, took_ms = took.as_millis(), "failed over");
+                self.failovers.fetch_add(1, Ordering::Relaxed);
+                drop(self.events.try_send(Update::FailedOver(change)));
+            }
+        }
+    }
+
+    /// Tells the server where the axis is. Of several reports that wait, the newest says it all; refusals go one by one.
+    fn report(&mut self) {
         let mut newest = None;
-        while let Ok(report) = ring.reports.pop() {
-            let refuses = report.refused.is_some();
-            newest = Some(report);
+        while let Ok(word) = self.reports.reports.pop() {
+            let refuses = word.report.refused.is_some();
+            newest = Some(word);
             if refuses {
                 break;
             }
         }
-        ring.thread.wake();
-        if let Some(report) = newest {
-            // A stream that is over says so where it is read.
-            reports.send(&report).await;
+        self.reports.thread.wake();
+        if let Some(Word { report, heeded }) = newest {
+            self.uplink.report(report, heeded);
         }
-        if !ring.reports.is_empty() {
-            ring.news.notify_one();
+        if !self.reports.reports.is_empty() {
+            self.reports.news.notify_one();
         }
+    }
+}
+
+fn fed(next: client::failover::Feed) -> Fed {
+    use client::failover::Feed as Next;
+    match next {
+        Next::Revised(epoch, revision) => Fed::Revised(epoch, revision),
+        Next::Batch(epoch, batch) => Fed::Batch(epoch, batch),
+        Next::Resuming => Fed::Resuming,
+        Next::Stays => Fed::Stays,
+        Next::GoesOn(epoch, rested) => Fed::GoesOn(epoch, rested),
     }
 }
 
 /// Tells whoever looks on what the axes do, until the cycle thread is done and everything is told.
 async fn tell(
     mut ring: SampleRing,
-    mut events: mpsc::Receiver<StreamEvent>,
+    mut events: mpsc::Receiver<Update>,
     teller: mpsc::Sender<Update>,
     clock: Clock,
 ) {
@@ -605,7 +603,7 @@ async fn tell(
         tokio::select! {
             () = ring.news.notified() => {}
             event = events.recv(), if has_events => match event {
-                Some(event) => queue.push_back(Update::Event(event)),
+                Some(update) => queue.push_back(update),
                 None => has_events = false,
             },
             permit = teller.reserve(), if !queue.is_empty() => {

@@ -7,7 +7,9 @@ use std::time::{Duration, Instant};
 use planner::{Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, State};
 use proto::pb;
 use proto::pb::setpoint_service_server::{SetpointService, SetpointServiceServer};
-use proto::stream::{Batch, Columns, FromAxis, Motion, Open, Opened, StreamEvent, StreamEventKind, ToAxis};
+use proto::stream::{
+    Batch, Columns, FromAxis, Motion, Open, Opened, Source, StreamEvent, StreamEventKind, ToAxis,
+};
 use proto::{Digest, Reason, Rejected};
 use sim_axis::{AxisModel, Clock, Samples, TrackError, TrackRequest, Tracking, Update, track};
 use tokio::sync::mpsc;
@@ -84,14 +86,19 @@ async fn session(
 ) -> Option<()> {
     let first = incoming.message().await.ok()??;
     let Ok(FromAxis::Open(open)) = proto::request_from_wire(first) else { return None };
-    let Open { epoch, lead_cycles, batch_cycles, close_at_rest, plan, .. } = *open;
+    let Open { epoch, lead_cycles, batch_cycles, close_at_rest, source, .. } = *open;
+    let Source::Plan(plan) = source else {
+        // It serves from the beginning or not at all.
+        answers.send(Err(Rejected::new(Reason::Overloaded, "enough").into())).await.ok()?;
+        return None;
+    };
     if script == Script::Refuses {
         answers.send(Err(Rejected::new(Reason::PlanRejected, "not this one").into())).await.ok()?;
         return None;
     }
     let motion = Motion::opened(planner::motion::Motion::open(plan.clone()).ok()?);
     let say = async |message| answers.send(Ok(proto::response_to_wire(epoch, message))).await.ok();
-    let opened = Opened { motion, first_cycle: 1, served_by: "test".into(), current_epoch: epoch };
+    let opened = Opened { motion: motion.clone(), first_cycle: 1, served_by: "test".into(), current_epoch: epoch };
     say(ToAxis::Opened(Box::new(opened))).await?;
     let plan = plan.plan();
     let end = if close_at_rest { plan.cycle_count() } else { u64::MAX };
@@ -107,7 +114,11 @@ async fn session(
                 Script::LeavesAfter(cycle) if sent >= cycle => return None,
                 _ => {}
             }
-            let (from, to) = (sent + 1, (sent + u64::from(batch_cycles)).min(grant).min(end));
+            let stops = match script {
+                Script::BreaksAfter(cycle) | Script::LeavesAfter(cycle) => cycle,
+                _ => u64::MAX,
+            };
+            let (from, to) = (sent + 1, (sent + u64::from(batch_cycles)).min(grant).min(end).min(stops));
             let mut columns = Columns::with_capacity((to - from + 1) as usize, 1);
             plan.sampler().columns(0, from..to + 1, |setpoint| columns.push(setpoint));
             digests.truncate(from as usize);
@@ -118,12 +129,16 @@ async fn session(
                 continue;
             }
             let (first_cycle, last) = (from, to == end);
-            say(ToAxis::Batch(Batch { first_cycle, revision: 0, replaces: false, last, columns, digest }))
-                .await?;
+            let tails = motion.tails(to).ok()?;
+            let batch = Batch { first_cycle, revision: 0, replaces: false, last, columns, digest, tails };
+            say(ToAxis::Batch(batch)).await?;
             if last {
                 let kind = StreamEventKind::Finished;
                 say(ToAxis::Event(StreamEvent { kind, at_cycle: to })).await?;
             }
+        }
+        if matches!(script, Script::LeavesAfter(cycle) if sent >= cycle) {
+            return None;
         }
         let message = incoming.message().await.ok()??;
         let Ok(FromAxis::Report(report)) = proto::request_from_wire(message) else { return None };
@@ -174,6 +189,7 @@ fn request(endpoint: &str, plan: &Accepted, clock: Clock) -> TrackRequest {
         models: vec![AxisModel::flexible("x")],
         clock,
         settle_window: 0.1,
+        patience: Duration::from_millis(50),
         ..TrackRequest::new("cell-7/x", endpoint, plan.clone())
     }
 }
@@ -256,9 +272,15 @@ async fn a_stream_that_breaks_off_ends_the_run_with_what_there_is() {
             let error = track(request(&endpoint, &plan, clock), |_| {}).await.unwrap_err();
             let text = error.to_string();
             let TrackError::Broken { executed, motion_end, report, .. } = error else { panic!("{text}") };
-            assert!(text.contains(said) && text.contains("at cycle 120 of 314"), "{text}");
-            assert_eq!((executed, motion_end), (120, 314));
-            assert_eq!(report.stream.digest, digest_of(&plan, 120));
+            // What was held is played, and after it the way to rest.
+            let motion = Motion::opened(planner::motion::Motion::open(plan.clone()).unwrap());
+            let rests = motion.starved(120, &motion.tails(120).unwrap(), Digest::ZERO).unwrap();
+            let end = rests.last_cycle();
+            assert!(text.contains(said) && text.contains(&format!("at cycle {end} of 314")), "{text}");
+            assert_eq!((executed, motion_end), (end, 314));
+            assert!(report.stream.stop_tail_used);
+            let digest = rests.digest_from((120, digest_of(&plan, 120)), end);
+            assert_eq!(report.stream.digest, digest);
         }
     }
 }

@@ -1,13 +1,13 @@
 //! Several axes and what they hold, cycle by cycle: no network, no clock, no thread.
 #![expect(clippy::unwrap_used, reason = "helpers of tests are tests")]
 
-use client::{Buffer, Standing};
+use client::{Buffer, Record, Revision, Standing};
 use planner::{
     Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, Setpoint, State,
     Synchronization,
 };
 use proto::Digest;
-use proto::stream::{Batch, Columns, RefusalReason, Refused};
+use proto::stream::{Batch, Columns, Motion, RefusalReason, Refused};
 use sim_axis::{Axis, AxisConfig, AxisModel, Beat, Divergence, Observation, Player, ReportCard};
 
 const EPOCH: u64 = 7;
@@ -71,6 +71,7 @@ fn player(plan: &Accepted) -> Player {
 struct Source<'a> {
     plan: &'a Accepted,
     sampler: planner::Sampler<'a>,
+    motion: Motion,
     digest: Digest,
     sent: u64,
     rests_on: bool,
@@ -78,7 +79,8 @@ struct Source<'a> {
 
 impl<'a> Source<'a> {
     fn of(plan: &'a Accepted) -> Self {
-        Self { plan, sampler: plan.plan().sampler(), digest: Digest::ZERO, sent: 0, rests_on: false }
+        let motion = Motion::opened(planner::motion::Motion::open(plan.clone()).unwrap());
+        Self { plan, sampler: plan.plan().sampler(), motion, digest: Digest::ZERO, sent: 0, rests_on: false }
     }
 
     /// The next cycles through `to`; the last batch ends with the plan.
@@ -91,14 +93,9 @@ impl<'a> Source<'a> {
         }
         self.digest = columns.digests(first, self.digest).last().unwrap();
         self.sent = last;
-        Batch {
-            first_cycle: first,
-            revision: 0,
-            replaces: false,
-            last: last == end,
-            columns,
-            digest: self.digest,
-        }
+        let tails = self.motion.tails(last).unwrap();
+        let (last, digest) = (last == end, self.digest);
+        Batch { first_cycle: first, revision: 0, replaces: false, last, columns, digest, tails }
     }
 
     fn next(&mut self) -> Batch {
@@ -108,8 +105,8 @@ impl<'a> Source<'a> {
     /// Sends all that `player` has room for.
     fn fill(&mut self, player: &mut Player) {
         while !self.is_done() && self.sent + BATCH <= player.buffer().executed() + LEAD {
-            let batch = self.next();
-            assert_eq!(player.accept(EPOCH, &batch), None);
+            let mut batch = self.next();
+            assert_eq!(player.accept(EPOCH, &mut batch), None);
         }
     }
 
@@ -179,7 +176,7 @@ fn execution_begins_with_a_full_lead_or_with_the_last_batch() {
     for _ in 0..LEAD / BATCH {
         assert!(player.is_waiting() && player.is_short_of_data());
         assert_eq!(player.cycle(), Beat::Waited);
-        assert_eq!(player.accept(EPOCH, &source.next()), None);
+        assert_eq!(player.accept(EPOCH, &mut source.next()), None);
     }
     assert_eq!(player.cycle(), Beat::Played);
 
@@ -188,7 +185,7 @@ fn execution_begins_with_a_full_lead_or_with_the_last_batch() {
     assert!(tiny.plan().cycle_count() < LEAD);
     let batch = source.through(LEAD);
     assert!(batch.last);
-    assert_eq!(player.accept(EPOCH, &batch), None);
+    assert_eq!(player.accept(EPOCH, &mut batch.clone()), None);
     assert_eq!(player.cycle(), Beat::Played);
     assert_eq!(run(&mut player, |_| {}).digest, digest_of(&tiny));
 }
@@ -205,8 +202,8 @@ fn bursts_and_doubled_batches_change_nothing() {
         if player.is_waiting() || (held <= LEAD / 2 && !source.is_done()) {
             while !source.is_done() && source.sent + BATCH <= player.buffer().executed() + LEAD {
                 let batch = source.next();
-                assert_eq!(player.accept(EPOCH, &batch), None);
-                assert_eq!(player.accept(EPOCH, &batch), None);
+                assert_eq!(player.accept(EPOCH, &mut batch.clone()), None);
+                assert_eq!(player.accept(EPOCH, &mut batch.clone()), None);
                 doubled += batch.columns.cycles() as u64;
             }
         }
@@ -215,49 +212,100 @@ fn bursts_and_doubled_batches_change_nothing() {
     assert_eq!(player.buffer().counters().duplicate_cycles, doubled);
 }
 
-#[test]
-fn a_late_batch_is_counted_held_for_and_then_played() {
-    let plan = short();
-    let (mut player, mut source) = (player(&plan), Source::of(&plan));
-    let mut late = 25;
-    let trace = run(&mut player, |player| {
-        let starves = player.buffer().held() == 0 && player.buffer().executed() == 120;
-        if source.sent < 120 || source.sent >= 130 || (starves && late == 0) {
-            if source.sent < 120 {
-                while source.sent < 120 && source.sent + BATCH <= player.buffer().executed() + LEAD {
-                    assert_eq!(player.accept(EPOCH, &source.next()), None);
-                }
-            } else {
-                source.fill(player);
-            }
-        } else if starves {
-            late -= 1;
-        }
-    });
-    assert_eq!(trace.starved, 25);
-    assert_eq!(player.buffer().counters().underruns, 25);
-    assert_eq!(player.buffer().counters().least_lead_cycles, 0);
-    let numbers: Vec<u64> = trace.played.iter().map(|(cycle, _)| *cycle).collect();
-    assert_eq!(numbers, (1..=plan.plan().cycle_count()).collect::<Vec<_>>());
-    assert_eq!(trace.digest, digest_of(&plan));
-}
-
-#[test]
-fn a_starved_axis_stands_where_its_last_setpoint_was() {
-    let plan = short();
-    let (mut player, mut source) = (player(&plan), Source::of(&plan));
+/// A server that sends no more after a full lead.
+fn starving(plan: &Accepted) -> (Player, Source<'_>) {
+    let (mut player, mut source) = (player(plan), Source::of(plan));
     source.fill(&mut player);
     for _ in 0..LEAD {
         assert_eq!(player.cycle(), Beat::Played);
     }
-    let last = player.setpoints()[0].state;
-    assert!(last.velocity > 0.0);
+    assert!(player.setpoints()[0].state.velocity > 0.0);
+    (player, source)
+}
+
+#[test]
+fn a_starved_axis_plays_its_way_to_rest_and_stands_there() {
+    let plan = short();
+    let (mut player, mut source) = starving(&plan);
+    let rests = source.motion.under_way.tail(LEAD).unwrap().unwrap().motion;
+    for cycle in LEAD + 1..=rests.last_cycle() {
+        assert_eq!(player.cycle(), Beat::Played);
+        let planned: Vec<Setpoint> = rests.setpoints(cycle).collect();
+        assert_eq!(player.setpoints(), planned, "cycle {cycle}");
+        let due = player.report_due();
+        let tells = due.is_some_and(|report| report.tail_from_cycle == Some(LEAD + 1));
+        assert!(tells || cycle > LEAD + 1, "the server is told at once");
+    }
+    let end = player.setpoints()[0].state;
+    assert!(end.is_at_rest() && end.position < 0.05);
     for _ in 0..200 {
         assert_eq!(player.cycle(), Beat::Starved);
-        assert_eq!(player.setpoints()[0].state, State::at_rest(last.position));
+        assert_eq!(player.setpoints()[0], Setpoint::held(end));
     }
-    assert!((player.observations()[0].measured_position - last.position).abs() < 1e-4);
-    assert_eq!(player.buffer().executed(), LEAD);
+    assert_eq!(player.buffer().executed(), rests.last_cycle());
+    assert_eq!((player.buffer().counters().underruns, player.tail_used()), (1, true));
+    // What comes too late is of an epoch that is over.
+    assert_eq!(player.accept(EPOCH, &mut source.next()), None);
+    assert_eq!((player.buffer().accepted(), player.buffer().counters().stale_epochs), (rests.last_cycle(), 1));
+}
+
+/// Whatever was played on the way to rest, a server that is told of it goes on after it.
+#[test]
+fn a_server_goes_on_after_the_way_to_rest() {
+    let plan = short();
+    // At once, on the way, at its end, and long after it.
+    for after in [0, 1, 60, 500] {
+        let (mut player, source) = starving(&plan);
+        let mut record = Record::opened(source.motion.clone());
+        let mut again = Source::of(&plan);
+        while again.sent < LEAD {
+            record.carry(&again.next());
+        }
+        record.report(&player.buffer().report(None));
+        player.cycle();
+        let report = player.report_due().unwrap();
+        let end = record.starve(report.tail_from_cycle.unwrap() - 1, report.digest).unwrap();
+        let resume = record.resume();
+        assert_eq!((resume.digest, resume.recomputed()), (end, end));
+        for _ in 0..after {
+            player.cycle();
+        }
+        let rests = record.motion().clone();
+        assert_eq!(resume.next_cycle, rests.last_cycle() + 1);
+        player.goes_on(EPOCH + 1, Some((Revision::of(&rests), end)));
+        assert_eq!(player.report_due().unwrap().digest, end);
+        // It stands still for a while, and goes on to the goal.
+        let at = rests.last_cycle() + 7;
+        let resumed = rests.under_way.splice(at, &planner::motion::Operation::Resume).unwrap().motion;
+        let mut digest = end;
+        let mut next = |from: u64, to: u64, of: &planner::motion::Motion, replaces: bool| {
+            let mut columns = Columns::with_capacity((to - from + 1) as usize, 1);
+            for cycle in from..=to {
+                of.setpoints(cycle).for_each(|setpoint| columns.push(setpoint));
+            }
+            digest = columns.digests(from, digest).last().unwrap();
+            let motion = Motion::opened(of.clone());
+            let (revision, tails) = (of.revision(), motion.tails(to).unwrap());
+            Batch { first_cycle: from, revision, replaces, last: false, columns, digest, tails }
+        };
+        let stands = next(resume.next_cycle, at - 1, &rests.under_way, false);
+        let goes = next(at, at + 9, &resumed, false);
+        // No sooner than there is room for it.
+        while player.buffer().executed() + LEAD < at + 9 {
+            player.cycle();
+        }
+        assert_eq!(player.accept(EPOCH + 1, &mut stands.clone()), None, "{after}");
+        let motion = Motion { under_way: resumed.clone(), digest_before: stands.digest, ..rests.clone() };
+        player.announce(EPOCH + 1, Revision::of(&motion));
+        assert_eq!(player.accept(EPOCH + 1, &mut goes.clone()), None, "{after}");
+        while player.buffer().held() > 0 {
+            assert_eq!(player.cycle(), Beat::Played);
+        }
+        let at_last: Vec<Setpoint> = resumed.setpoints(at + 9).collect();
+        assert_eq!(player.setpoints(), at_last, "{after}");
+        assert_eq!(player.digest(), goes.digest);
+        assert_eq!(player.buffer().counters().underruns, 1);
+    }
 }
 
 #[test]
@@ -266,17 +314,17 @@ fn a_gap_is_refused_once_and_mended_by_sending_again() {
     let expected = undisturbed(&plan);
     let (mut player, mut source) = (player(&plan), Source::of(&plan));
     let sent: Vec<Batch> = (0..4).map(|_| source.next()).collect();
-    assert_eq!(player.accept(EPOCH, &sent[0]), None);
-    let report = player.accept(EPOCH, &sent[2]).unwrap();
+    assert_eq!(player.accept(EPOCH, &mut sent[0].clone()), None);
+    let report = player.accept(EPOCH, &mut sent[2].clone()).unwrap();
     assert_eq!(report.refused, Some(Refused { revision: 0, first_cycle: 21, reason: RefusalReason::Gap }));
     assert_eq!((report.accepted_cycle, report.executed_cycle), (10, 0));
     // It was on its way when the gap was noticed: counted, not told.
-    assert_eq!(player.accept(EPOCH, &sent[3]), None);
+    assert_eq!(player.accept(EPOCH, &mut sent[3].clone()), None);
     // It is sent again and there is a gap again: told again.
-    assert!(player.accept(EPOCH, &sent[2]).is_some());
+    assert!(player.accept(EPOCH, &mut sent[2].clone()).is_some());
     assert_eq!(player.buffer().counters().refused_batches, 3);
     for batch in &sent[1..] {
-        assert_eq!(player.accept(EPOCH, batch), None);
+        assert_eq!(player.accept(EPOCH, &mut batch.clone()), None);
     }
     assert_eq!(run(&mut player, |player| source.fill(player)), expected);
 }
@@ -292,12 +340,12 @@ fn a_jump_is_refused_and_what_is_held_is_kept() {
     let columns = Columns::from_parts(10, [position, velocity, acceleration, jerk]).unwrap();
     let digest = columns.digests(1, Digest::ZERO).last().unwrap();
     let jumps = Batch { columns, digest, ..honest.clone() };
-    let report = player.accept(EPOCH, &jumps).unwrap();
+    let report = player.accept(EPOCH, &mut jumps.clone()).unwrap();
     assert_eq!(report.refused.unwrap().reason, RefusalReason::JoinMismatch);
     let wrong = Batch { digest: Digest::ZERO, ..honest.clone() };
-    let report = player.accept(EPOCH, &wrong).unwrap();
+    let report = player.accept(EPOCH, &mut wrong.clone()).unwrap();
     assert_eq!(report.refused.unwrap().reason, RefusalReason::DigestMismatch);
-    assert_eq!(player.accept(EPOCH, &honest), None);
+    assert_eq!(player.accept(EPOCH, &mut honest.clone()), None);
     assert_eq!(run(&mut player, |player| source.fill(player)), expected);
 }
 
@@ -305,7 +353,7 @@ fn a_jump_is_refused_and_what_is_held_is_kept() {
 fn another_epoch_is_not_ours() {
     let plan = short();
     let (mut player, mut source) = (player(&plan), Source::of(&plan));
-    assert_eq!(player.accept(EPOCH - 1, &source.next()), None);
+    assert_eq!(player.accept(EPOCH - 1, &mut source.next()), None);
     assert_eq!(player.buffer().accepted(), 0);
     assert_eq!(player.buffer().counters().stale_epochs, 1);
 }
@@ -329,7 +377,7 @@ fn reports_come_every_batch_and_at_the_end() {
 }
 
 #[test]
-fn a_stream_that_breaks_off_is_played_to_its_end_and_held() {
+fn a_stream_that_breaks_off_is_played_to_its_end_and_to_rest() {
     let plan = short();
     let (mut player, mut source) = (player(&plan), Source::of(&plan));
     source.fill(&mut player);
@@ -338,18 +386,18 @@ fn a_stream_that_breaks_off_is_played_to_its_end_and_held() {
             player.close();
         }
     });
-    assert_eq!((trace.played.len() as u64, trace.starved, trace.rested), (LEAD, 0, SETTLE_CYCLES));
+    let motion = Motion::opened(planner::motion::Motion::open(plan.clone()).unwrap());
+    let rests = motion.starved(LEAD, &motion.tails(LEAD).unwrap(), Digest::ZERO).unwrap();
+    let end = rests.last_cycle();
+    assert_eq!((trace.played.len() as u64, trace.starved, trace.rested), (end, 0, SETTLE_CYCLES));
     assert!(!player.has_arrived());
-    // The axis was stopped at speed: that is no arrival, and no good one.
+    // The axis came to rest on its way: that is no arrival.
     assert_eq!((player.buffer().counters().underruns, trace.cards[0].settling_time), (1, None));
-    let mut sampler = plan.plan().sampler();
-    let so_far = (1..=LEAD).fold(Digest::ZERO, |digest, cycle| {
-        digest.then(cycle, sampler.at(cycle).map(|setpoint| setpoint.words()))
-    });
-    assert_eq!(trace.digest, so_far);
+    let so_far = motion.digest_from((0, Digest::ZERO), LEAD);
+    assert_eq!(trace.digest, rests.digest_from((LEAD, so_far), end));
     // Closed before it began: nothing moves.
     let mut player = self::player(&plan);
-    player.accept(EPOCH, &Source::of(&plan).next());
+    player.accept(EPOCH, &mut Source::of(&plan).next());
     player.close();
     assert_eq!(player.cycle(), Beat::Over);
     assert_eq!(player.digest(), Digest::ZERO);
@@ -484,7 +532,7 @@ fn a_cycle_allocates_nothing() {
             batches.push(source.next());
         }
         let counted = allocation_counter::measure(|| {
-            for batch in &batches {
+            for batch in &mut batches {
                 let _ = player.accept(EPOCH, batch);
             }
             player.cycle();

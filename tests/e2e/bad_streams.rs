@@ -245,7 +245,7 @@ async fn an_operation_is_refused_and_the_motion_goes_on() {
 async fn a_resume_and_an_open_without_a_plan() {
     let server = Loopback::start().await;
     let rows = [
-        (Some(pb::open::Source::Resume(pb::Resume::default())), Reason::NotImplemented, "open.resume"),
+        (Some(pb::open::Source::Resume(pb::Resume::default())), Reason::FieldMissing, "open.resume.motion"),
         (None, Reason::FieldMissing, "open.source"),
         (Some(pb::open::Source::Plan(pb::Plan::default())), Reason::NoAxes, "open.plan.axes"),
     ];

@@ -56,7 +56,7 @@ async fn a_motion_through_points_is_appended_to_and_held_on_its_path() {
         play_to(&mut stream, cycle).await;
         let operation = Operation::now(id, ask);
         let planned = operation.planned().unwrap();
-        assert!(stream.operate(operation).await);
+        assert!(stream.operate(operation));
         let result = answered(&mut stream, id).await.unwrap();
         assert_eq!((result.revision, result.on_path), (done.len() as u64 + 1, true), "{id}");
         done.push((result.effective_cycle, planned));
@@ -67,7 +67,7 @@ async fn a_motion_through_points_is_appended_to_and_held_on_its_path() {
     assert_eq!(digest, replayed);
     assert_eq!(stream.motion().under_way, motion);
     assert!(motion.base_time().is_some());
-    stream.operate(Operation::now("late", append(14, 15))).await;
+    stream.operate(Operation::now("late", append(14, 15)));
     assert_eq!(answered(&mut stream, "late").await.unwrap_err().reason, Reason::AppendTooLate);
 }
 
@@ -88,7 +88,7 @@ async fn every_operation_is_done_in_band() {
     ];
     for (cycle, id, ask, operation) in steps {
         play_to(&mut stream, cycle).await;
-        assert!(stream.operate(Operation::now(id, ask)).await);
+        assert!(stream.operate(Operation::now(id, ask)));
         let result = answered(&mut stream, id).await.unwrap();
         assert_eq!((result.revision, result.on_path), (done.len() as u64 + 1, true), "{id}");
         assert_eq!(stream.motion().revision(), result.revision);
@@ -96,7 +96,7 @@ async fn every_operation_is_done_in_band() {
         done.push((result.effective_cycle, operation));
     }
     assert_eq!(stream.motion().under_way.phase(), Phase::Stopping);
-    stream.operate(Operation::now("late", Ask::Resume)).await;
+    stream.operate(Operation::now("late", Ask::Resume));
     // On its way to rest, or there: how fast this axis plays is its own affair.
     let late = answered(&mut stream, "late").await.unwrap_err().reason;
     assert!(matches!(late, Reason::Stopped | Reason::StreamFinished), "{late}");

@@ -17,7 +17,7 @@ use planner::{
 };
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
-use proto::stream::Open;
+use proto::stream::{Open, Source};
 pub use rig::{Answer, Delays, Rig, difference, replay};
 use server::{Config, Server};
 use sim_axis::SimAxis;
@@ -201,6 +201,6 @@ pub fn open(stream: &str, plan: Accepted) -> Open {
         close_at_rest: true,
         accept_unproved: false,
         executed_cycle: 0,
-        plan,
+        source: Source::Plan(plan),
     }
 }

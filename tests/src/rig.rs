@@ -5,7 +5,9 @@ use std::collections::VecDeque;
 use client::{Buffer, Revision, Standing};
 use planner::motion::{Motion as UnderWay, Operation as Planned};
 use planner::{Plan, Setpoint};
-use proto::stream::{FromAxis, Open, Operation, OperationResult, Report, StreamEvent, ToAxis};
+use proto::stream::{
+    FromAxis, Open, Operation, OperationResult, Report, Source, StreamEvent, ToAxis,
+};
 use proto::{Digest, Rejected};
 use server::session::{Event, Output, Session};
 
@@ -70,7 +72,8 @@ impl Rig {
     #[must_use]
     pub fn new(open: Open, delays: Delays) -> Self {
         let Open { epoch, lead_cycles, axis_guard, batch_cycles, .. } = open;
-        let plan = open.plan.plan().clone();
+        let Source::Plan(plan) = &open.source else { panic!("a rig begins with a plan") };
+        let plan = plan.plan().clone();
         let setpoints: Vec<Setpoint> = plan.sampler().at(0).collect();
         let session = Session::open(open, "rig").expect("a stream");
         let standing =
@@ -204,8 +207,8 @@ impl Rig {
             ToAxis::Revised(revised) => {
                 self.buffer.announce(self.epoch, Revision::of(&revised.motion));
             }
-            ToAxis::Batch(batch) => {
-                if let Err(refused) = self.buffer.accept(self.epoch, &batch) {
+            ToAxis::Batch(mut batch) => {
+                if let Err(refused) = self.buffer.accept(self.epoch, &mut batch) {
                     self.report(self.buffer.report(Some(refused)));
                 }
             }

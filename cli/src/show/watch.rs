@@ -38,6 +38,9 @@ impl Watch {
                 self.keep(&samples);
             }
             Update::Event(event) => self.bar.set_message(format!("{:?}", event.kind).to_lowercase()),
+            Update::FailedOver(change) => {
+                self.bar.set_message(format!("{}: {} goes on", change.cause.name(), change.to));
+            }
         }
     }
 

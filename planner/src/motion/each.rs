@@ -44,6 +44,39 @@ pub(super) fn planned(under_way: &UnderWay<'_>) -> Result<Option<Planned>, Refus
     }
 }
 
+/// The way to rest of each axis, also where that is what it does already; each ends where it comes to rest.
+pub(super) fn to_rest(under_way: &UnderWay<'_>) -> Result<Proved, Refused> {
+    let mut manners = alloc::vec![Manner::Plain; under_way.aims.len()];
+    loop {
+        let mut profiles = Vec::with_capacity(manners.len());
+        for (index, leg) in legs(under_way, &manners)?.into_iter().enumerate() {
+            let rest = match leg {
+                Some(leg) => Some(leg.profile),
+                None => rest_of(under_way.plan, &under_way.plan.axes()[index].profile, under_way.at),
+            };
+            profiles.push(rest.map_or_else(|| anew(under_way, index).map(|leg| leg.profile), Ok)?);
+        }
+        match prove(under_way, resting(under_way.aims, profiles)) {
+            Err(Objection::Rejected(rejection)) => {
+                if !simplify(under_way, &mut manners, &rejection) {
+                    return Err(Objection::Rejected(rejection).into());
+                }
+            }
+            other => return Ok(other?),
+        }
+    }
+}
+
+/// Axes that go ways to rest, and ask for nothing else.
+pub(super) fn resting(aims: &[AxisPlan], profiles: Vec<Profile>) -> Vec<AxisPlan> {
+    let axes = aims.iter().zip(profiles);
+    axes.map(|(aim, profile)| {
+        let end = profile.end();
+        axis_plan(aim, profile, end, Vec::new())
+    })
+    .collect()
+}
+
 /// How the way of one axis is found.
 ///
 /// What is left of a motion may be so little that the roundings of the whole are too large for the judge; planned anew from its very state it

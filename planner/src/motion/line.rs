@@ -72,6 +72,17 @@ pub(super) fn drawn_to(under_way: &UnderWay<'_>, drawn: &Plan) -> Result<Accepte
     Err(refused)
 }
 
+/// Are the axes on their line where `rests` ends?
+pub(super) fn is_kept(under_way: &UnderWay<'_>, drawn: &Plan, rests: &Plan) -> bool {
+    let ends: Vec<State> = rests.axes().iter().map(|axis| axis.profile.end()).collect();
+    match Line::under(under_way, drawn) {
+        Ok(Some(line)) => line.check(under_way.aims, &ends, STATE_BESIDE).is_ok(),
+        // Nothing is to move.
+        Ok(None) => true,
+        Err(_) => false,
+    }
+}
+
 /// As [`Plan::with_closing_stop`], with all axes on their line until they rest.
 pub(super) fn with_closing_stop(plan: &Plan) -> Result<Option<(Plan, u64)>, Refused> {
     if plan.ends_at_rest() {

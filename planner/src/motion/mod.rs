@@ -64,6 +64,7 @@ mod path;
 mod prove;
 mod refused;
 mod retarget;
+mod tail;
 
 use alloc::string::String;
 use alloc::sync::Arc;

@@ -113,12 +113,8 @@ impl Motion {
             return self.at_rate(at_cycle, 0.0, Self { factor, phase, ..self.clone() });
         }
         let aims = self.aims(at_cycle);
-        let base = match &self.base {
-            _ if self.has_passed_any(at_cycle) => Arc::new(aimed(self.plan(), &aims)?),
-            Some(base) => Arc::clone(base),
-            None => Arc::clone(&self.plan),
-        };
-        let motion = Self { factor, phase, base: Some(base), ..self.clone() };
+        let base = Some(self.goes_on_with(at_cycle, true)?);
+        let motion = Self { factor, phase, base, ..self.clone() };
         if self.rests_by(at_cycle) {
             return Ok(self.noted(at_cycle, motion));
         }

@@ -83,6 +83,15 @@ pub enum Refused {
         /// The first cycle of the closing stop, or the first at rest.
         closing_from_cycle: u64,
     },
+    /// A way to rest that is another motion's.
+    #[error(
+        "the way to rest from cycle {at_cycle} does not begin in its setpoint, end at rest, or have the motion's axes: take the one \
+         that came with that setpoint"
+    )]
+    TailDiffers {
+        /// The cycle.
+        at_cycle: u64,
+    },
     /// Something in the operation that is wrong, or that cannot be planned, with its path.
     #[error(transparent)]
     Invalid(#[from] InvalidFields),

@@ -1,15 +1,16 @@
 use std::ops::RangeInclusive;
 
-use planner::{Field, InvalidFields, Why, wrong_name};
+use planner::{Field, InvalidField, InvalidFields, LAST_CYCLE, Profile, State, Why, wrong_name};
 
 use super::choice::{event_from_wire, event_to_wire};
 use super::field::missing;
 use super::motion::{motion_from_wire, motion_to_wire};
-use super::{accepted_in, plan_to_wire};
+use super::plan::{segment_from_wire, segment_to_wire};
+use super::{accepted_in, plan_to_wire, within};
 use crate::stream::{
     BATCH_CYCLES, Batch, Columns, Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES,
-    FromAxis, LEAD_CYCLES, Open, Opened, OperationRefusal, RefusalReason, Refused, Report, Revised,
-    StreamEvent, ToAxis, Tracking,
+    FARTHEST_CHECKPOINT, FromAxis, LEAD_CYCLES, Open, Opened, OperationRefusal, RefusalReason, Refused,
+    Report, Resume, Revised, Source, StreamEvent, Tails, ToAxis, Tracking,
 };
 use crate::{Digest, FieldViolation, Reason, Rejected, pb};
 use pb::stream_setpoints_request::Message as Request;
@@ -123,24 +124,23 @@ fn open_from_wire(wire: pb::Open) -> Result<Open, Rejected> {
     faults.extend(outside("open.lead_cycles", lead_cycles, LEAD_CYCLES));
     faults.extend(outside("open.batch_cycles", batch_cycles, BATCH_CYCLES));
     faults.extend(outside("open.axis_guard", axis_guard, 1..=lead_cycles.saturating_sub(1).max(1)));
-    let plan = match source {
-        Some(pb::open::Source::Plan(plan)) => accepted_in("open.plan", Some(plan)),
-        Some(pb::open::Source::Resume(_)) => {
-            let what = "going on with a motion of another server";
-            Err(of_field("open.resume", Why::NotImplemented { what, instead: "open with a plan" }))
-        }
+    let source = match source {
+        Some(pb::open::Source::Plan(plan)) => accepted_in("open.plan", Some(plan)).map(Source::Plan),
+        Some(pb::open::Source::Resume(resume)) => resume_from_wire(resume)
+            .map(|resume| Source::Resume(Box::new(resume)))
+            .map_err(|rejected| rejected.inside("open.resume")),
         None => Err(missing("open.source", "a plan")),
     };
-    // What is no opening whatever the plan is comes before what is wrong with the plan.
-    if let Err(of_plan) = &plan
+    // What is no opening whatever the motion is comes before what is wrong with the motion.
+    if let Err(of_source) = &source
         && !faults.is_empty()
     {
-        faults.extend(of_plan.fields.iter().cloned());
+        faults.extend(of_source.fields.iter().cloned());
     }
     if let Some(rejected) = Rejected::for_fields(faults) {
         return Err(rejected);
     }
-    let plan = plan?;
+    let source = source?;
     Ok(Open {
         stream,
         epoch,
@@ -150,8 +150,57 @@ fn open_from_wire(wire: pb::Open) -> Result<Open, Rejected> {
         close_at_rest,
         accept_unproved,
         executed_cycle,
-        plan,
+        source,
     })
+}
+
+fn resume_from_wire(wire: pb::Resume) -> Result<Resume, Rejected> {
+    let pb::Resume { motion, next_cycle, digest, checkpoint_cycle, checkpoint_digest } = wire;
+    let motion = motion_from_wire(motion)?;
+    let first = motion.under_way.from_cycle();
+    let mut faults = Vec::new();
+    let mut fault = |field: &str, text: String| {
+        faults.push(FieldViolation::new(field, Reason::ValueOutOfRange, text));
+    };
+    if next_cycle <= first || next_cycle > LAST_CYCLE {
+        let least = first + 1;
+        fault("next_cycle", format!("is {next_cycle}: it follows on a cycle of the motion, {least} to {LAST_CYCLE}"));
+    } else {
+        let earliest = first.max(next_cycle.saturating_sub(FARTHEST_CHECKPOINT));
+        if !(earliest..=next_cycle).contains(&checkpoint_cycle) {
+            fault(
+                "checkpoint_cycle",
+                format!(
+                    "is {checkpoint_cycle}: give {earliest} to {next_cycle}, in the motion and at most {FARTHEST_CHECKPOINT} \
+                     cycles back"
+                ),
+            );
+        }
+    }
+    if checkpoint_cycle == 0 && checkpoint_digest != 0 {
+        fault("checkpoint_digest", "is not 0, the digest before cycle 0: send 0".into());
+    }
+    match Rejected::for_fields(faults) {
+        Some(rejected) => Err(rejected),
+        None => Ok(Resume {
+            motion,
+            next_cycle,
+            digest: Digest::from(digest),
+            checkpoint_cycle,
+            checkpoint_digest: Digest::from(checkpoint_digest),
+        }),
+    }
+}
+
+fn resume_to_wire(resume: &Resume) -> pb::Resume {
+    let Resume { motion, next_cycle, digest, checkpoint_cycle, checkpoint_digest } = resume;
+    pb::Resume {
+        motion: Some(motion_to_wire(motion)),
+        next_cycle: *next_cycle,
+        digest: u64::from(*digest),
+        checkpoint_cycle: *checkpoint_cycle,
+        checkpoint_digest: u64::from(*checkpoint_digest),
+    }
 }
 
 /// What is wrong with a number of cycles; nothing within `allowed`.
@@ -171,7 +220,7 @@ fn open_to_wire(open: &Open) -> pb::Open {
         close_at_rest,
         accept_unproved,
         executed_cycle,
-        plan,
+        source,
     } = open;
     pb::Open {
         stream: stream.clone(),
@@ -182,7 +231,10 @@ fn open_to_wire(open: &Open) -> pb::Open {
         close_at_rest: *close_at_rest,
         accept_unproved: *accept_unproved,
         executed_cycle: *executed_cycle,
-        source: Some(pb::open::Source::Plan(plan_to_wire(plan.judged()))),
+        source: Some(match source {
+            Source::Plan(plan) => pb::open::Source::Plan(plan_to_wire(plan.judged())),
+            Source::Resume(resume) => pb::open::Source::Resume(resume_to_wire(resume)),
+        }),
     }
 }
 
@@ -216,7 +268,7 @@ impl TryFrom<pb::SetpointColumns> for Columns {
 }
 
 fn batch_from_wire(wire: pb::SetpointBatch) -> Result<Batch, Rejected> {
-    let pb::SetpointBatch { first_cycle, revision, replaces, last, columns, stop_tails: _, digest } = wire;
+    let pb::SetpointBatch { first_cycle, revision, replaces, last, columns, stop_tails, digest } = wire;
     Ok(Batch {
         first_cycle,
         revision,
@@ -224,18 +276,48 @@ fn batch_from_wire(wire: pb::SetpointBatch) -> Result<Batch, Rejected> {
         last,
         columns: columns.unwrap_or_default().try_into()?,
         digest: Digest::from(digest),
+        tails: tails_from_wire(stop_tails)?,
     })
 }
 
+/// Whether a way to rest follows from a setpoint is for whoever plays it to say.
+fn tails_from_wire(wire: Vec<pb::StopTail>) -> Result<Tails, Rejected> {
+    let mut invalid = InvalidFields::default();
+    let mut profiles = Vec::with_capacity(wire.len());
+    for (axis, pb::StopTail { segments, rest_position }) in wire.into_iter().enumerate() {
+        let field = Field::element("stop_tails", axis);
+        let mut pieces = Vec::with_capacity(segments.len());
+        for (index, segment) in segments.into_iter().enumerate() {
+            let field = Field::element("segments", index).within(&field);
+            pieces.extend(invalid.take(&field, segment_from_wire(segment)));
+        }
+        if !rest_position.is_finite() {
+            let field = Field::named("rest_position").within(&field);
+            invalid.push(InvalidField::new(field, Why::NotFinite { given: rest_position }));
+        }
+        profiles.push(Profile::new(pieces, State::at_rest(rest_position)));
+    }
+    invalid.into_result(()).map_err(|inner| within("batch", inner))?;
+    Ok(Tails::new(profiles))
+}
+
+fn tails_to_wire(tails: &Tails) -> Vec<pb::StopTail> {
+    let tail = |profile: &Profile| pb::StopTail {
+        segments: profile.segments().iter().map(|segment| segment_to_wire(&segment)).collect(),
+        rest_position: profile.end().position,
+    };
+    tails.profiles().iter().map(tail).collect()
+}
+
 fn batch_to_wire(batch: Batch) -> pb::SetpointBatch {
-    let Batch { first_cycle, revision, replaces, last, columns, digest } = batch;
+    let Batch { first_cycle, revision, replaces, last, columns, digest, tails } = batch;
     pb::SetpointBatch {
         first_cycle,
         revision,
         replaces,
         last,
         columns: Some(columns.into()),
-        stop_tails: Vec::new(),
+        stop_tails: tails_to_wire(&tails),
         digest: u64::from(digest),
     }
 }
@@ -297,7 +379,8 @@ fn report_to_wire(report: &Report) -> pb::AxisReport {
 fn refused_from_wire(wire: pb::Refused) -> Result<Refused, Rejected> {
     let pb::Refused { revision, first_cycle, reason: given } = wire;
     let reason = RefusalReason::ALL.into_iter().find(|reason| reason.name() == given);
-    let choices = "GAP, TOO_LATE, JOIN_MISMATCH, DIGEST_MISMATCH, NOT_FINITE, STALE_EPOCH, REVISION, RESUMING, BEYOND_GRANT";
+    let choices = "GAP, TOO_LATE, JOIN_MISMATCH, DIGEST_MISMATCH, NOT_FINITE, STALE_EPOCH, REVISION, RESUMING, \
+                   BEYOND_GRANT, STOP_TAIL";
     let reason =
         reason.ok_or_else(|| of_field("report.refused.reason", Why::UnknownName { given, choices }))?;
     Ok(Refused { revision, first_cycle, reason })

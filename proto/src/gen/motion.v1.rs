@@ -1975,7 +1975,8 @@ pub struct Refused {
     /// First cycle of the batch.
     #[prost(uint64, tag = "2")]
     pub first_cycle: u64,
-    /// Why: GAP, TOO_LATE, JOIN_MISMATCH, DIGEST_MISMATCH, NOT_FINITE, STALE_EPOCH, REVISION, RESUMING.
+    /// Why: GAP, TOO_LATE, JOIN_MISMATCH, DIGEST_MISMATCH, NOT_FINITE, STALE_EPOCH, REVISION, RESUMING,
+    /// BEYOND_GRANT, STOP_TAIL.
     #[prost(string, tag = "3")]
     pub reason: ::prost::alloc::string::String,
 }
@@ -2181,7 +2182,8 @@ pub struct SetpointBatch {
     #[prost(message, optional, tag = "5")]
     pub columns: ::core::option::Option<SetpointColumns>,
     /// The jerk-limited stop from the last cycle of this batch, one per axis in plan order: played
-    /// when nothing else comes.
+    /// when nothing else comes. Its time is zero at that cycle; after its last piece the axes rest.
+    /// Empty: all axes rest from that cycle on.
     #[prost(message, repeated, tag = "6")]
     pub stop_tails: ::prost::alloc::vec::Vec<StopTail>,
     /// d(last cycle of this batch).
@@ -2201,9 +2203,12 @@ impl ::prost::Name for SetpointBatch {
 /// A way to rest for one axis.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct StopTail {
-    /// The pieces in order, from the batch's last setpoint to rest.
+    /// The pieces in order, from the batch's last setpoint to rest. Empty: the axis rests there.
     #[prost(message, repeated, tag = "1")]
     pub segments: ::prost::alloc::vec::Vec<crate::piece::AxisSegment>,
+    /// Where the axis rests \[u\].
+    #[prost(double, tag = "2")]
+    pub rest_position: f64,
 }
 impl ::prost::Name for StopTail {
     const NAME: &'static str = "StopTail";
@@ -3196,7 +3201,8 @@ pub struct RunTrackingRequest {
     /// Name of the stream to open: 1 to 256 bytes without control characters.
     #[prost(string, tag = "1")]
     pub stream: ::prost::alloc::string::String,
-    /// Planner replicas as <http://host:port,> tried in order; at least one.
+    /// Planner replicas as <http://host:port,> tried in order; at least one. Where the one that serves is lost, or
+    /// leaves, the next goes on.
     #[prost(string, repeated, tag = "2")]
     pub endpoints: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
     /// The motion to follow. Needed.
@@ -3225,6 +3231,10 @@ pub struct RunTrackingRequest {
     /// Take a plan that does not guarantee velocity and acceleration.
     #[prost(bool, tag = "10")]
     pub accept_unproved: bool,
+    /// How long a replica that goes on is looked for, once there is none, before the run ends with
+    /// STREAM_BROKEN, 0 .. 3600 s; the axis rests by then. Unset: 10 s.
+    #[prost(message, optional, tag = "11")]
+    pub patience: ::core::option::Option<::prost_types::Duration>,
 }
 impl ::prost::Name for RunTrackingRequest {
     const NAME: &'static str = "RunTrackingRequest";
@@ -3240,7 +3250,7 @@ impl ::prost::Name for RunTrackingRequest {
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct RunTrackingResponse {
     /// Exactly one of them.
-    #[prost(oneof = "run_tracking_response::Message", tags = "1, 2, 3")]
+    #[prost(oneof = "run_tracking_response::Message", tags = "1, 2, 3, 4")]
     pub message: ::core::option::Option<run_tracking_response::Message>,
 }
 /// Nested message and enum types in `RunTrackingResponse`.
@@ -3257,6 +3267,9 @@ pub mod run_tracking_response {
         /// How well it followed; the last message.
         #[prost(message, tag = "3")]
         Report(super::TrackingReport),
+        /// Another replica goes on with the stream.
+        #[prost(message, tag = "4")]
+        FailOver(super::FailOver),
     }
 }
 impl ::prost::Name for RunTrackingResponse {
@@ -3267,6 +3280,36 @@ impl ::prost::Name for RunTrackingResponse {
     }
     fn type_url() -> ::prost::alloc::string::String {
         "/motion.v1.RunTrackingResponse".into()
+    }
+}
+/// One replica went on where another had served.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct FailOver {
+    /// Why: "lost", "draining", "silent" (half of the lead was gone and nothing came), "refused" (it sent what
+    /// the axis cannot take), "starved" (the axis had come to rest by itself).
+    #[prost(string, tag = "1")]
+    pub cause: ::prost::alloc::string::String,
+    /// Name of the replica that served until then.
+    #[prost(string, tag = "2")]
+    pub from: ::prost::alloc::string::String,
+    /// Name of the one that serves now.
+    #[prost(string, tag = "3")]
+    pub to: ::prost::alloc::string::String,
+    /// The last cycle that was known to be executed.
+    #[prost(uint64, tag = "4")]
+    pub executed_cycle: u64,
+    /// From when another replica was looked for until it had opened \[s\].
+    #[prost(double, tag = "5")]
+    pub took: f64,
+}
+impl ::prost::Name for FailOver {
+    const NAME: &'static str = "FailOver";
+    const PACKAGE: &'static str = "motion.v1";
+    fn full_name() -> ::prost::alloc::string::String {
+        "motion.v1.FailOver".into()
+    }
+    fn type_url() -> ::prost::alloc::string::String {
+        "/motion.v1.FailOver".into()
     }
 }
 /// Commanded and measured values of consecutive cycles.

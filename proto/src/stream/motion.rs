@@ -5,6 +5,7 @@ use std::sync::Arc;
 use planner::motion::{AxisGoal, Operation as Planned, Override, Points, Refused};
 use planner::{Accepted, Field, InvalidFields, Limits, LimitsSpec, Plan, State};
 
+use super::Tails;
 use crate::{Digest, Reason, Rejected};
 
 /// How many results a motion carries: who repeats a request later than so many others gets no answer, but a second effect.
@@ -56,6 +57,43 @@ impl Motion {
     #[must_use]
     pub fn last_cycle(&self) -> u64 {
         self.under_way.last_cycle()
+    }
+
+    /// The digest of `cycle`, from that of an earlier one; `known` where it is not earlier.
+    ///
+    /// Cycle 0 is in no digest.
+    #[must_use]
+    pub fn digest_from(&self, known: (u64, Digest), cycle: u64) -> Digest {
+        let (before, mut digest) = known;
+        if before < cycle {
+            let mut sampler = self.plan().sampler();
+            for cycle in before + 1..=cycle {
+                let setpoints = sampler.at(self.plan_cycle(cycle));
+                digest = digest.then(cycle, setpoints.map(|setpoint| setpoint.words()));
+            }
+        }
+        digest
+    }
+
+    /// The way to rest of each axis from `cycle` on, which the judge accepts.
+    ///
+    /// # Errors
+    /// [`Reason::PlanRejected`] where he does not, which should not be.
+    pub fn tails(&self, cycle: u64) -> Result<Tails, Rejected> {
+        let tail = self.under_way.tail(cycle)?;
+        let plan = tail.as_ref().map(|tail| tail.motion.plan());
+        Ok(Tails::new(plan.into_iter().flat_map(Plan::axes).map(|axis| axis.profile.clone())))
+    }
+
+    /// The motion of an axis that heard no more after `cycle` and came to rest by `tails`, which came with that cycle.
+    ///
+    /// `digest_before` is that of the cycle before it.
+    ///
+    /// # Errors
+    /// Another way to rest, or one that the judge does not accept.
+    pub fn starved(&self, cycle: u64, tails: &Tails, digest_before: Digest) -> Result<Self, Rejected> {
+        let under_way = self.under_way.starved(cycle, tails.profiles().to_vec())?.motion;
+        Ok(Self { under_way, digest_before, recent: Arc::clone(&self.recent) })
     }
 
     /// What became of the request, if it was one of the last.

@@ -1,6 +1,6 @@
 use std::ops::RangeInclusive;
 
-use proto::Digest;
+use proto::{Digest, Rejected};
 use proto::stream::{Batch, Columns, Motion, Phase};
 
 use super::ledger::Ledger;
@@ -26,6 +26,11 @@ impl Branch {
     /// From the beginning of a stream.
     pub(super) fn opened(motion: Motion) -> Self {
         Self { motion, ledger: Ledger::from(0, Digest::ZERO), floor: 0 }
+    }
+
+    /// From the cycle on that an axis does not hold; `digest` is that of the last that it holds.
+    pub(super) fn resumed(motion: Motion, held: u64, digest: Digest) -> Self {
+        Self { motion, ledger: Ledger::from(held, digest), floor: held + 1 }
     }
 
     /// What `motion` will have been sent from its first cycle on.
@@ -61,8 +66,15 @@ impl Branch {
         self.floor = self.floor.max(cycle);
     }
 
-    pub(super) fn batch(&mut self, cycles: RangeInclusive<u64>, replaces: bool, last: bool) -> Batch {
+    /// The setpoints of `cycles`, with the way to rest from the last of them.
+    pub(super) fn batch(
+        &mut self,
+        cycles: RangeInclusive<u64>,
+        replaces: bool,
+        last: bool,
+    ) -> Result<Batch, Rejected> {
         let (first_cycle, last_cycle) = cycles.into_inner();
+        let tails = self.motion.tails(last_cycle)?;
         // What was sent from there on, as this or as another branch, is replaced, or was not taken.
         self.ledger.forget_after(first_cycle - 1);
         let before = self.ledger.digest_at(first_cycle - 1, &self.motion);
@@ -70,7 +82,7 @@ impl Branch {
         let columns = Columns::of_plan(self.motion.plan(), of_plan);
         let digest = columns.digests(first_cycle, before).last().unwrap_or(before);
         self.ledger.note(last_cycle, digest);
-        Batch { first_cycle, revision: self.revision(), replaces, last, columns, digest }
+        Ok(Batch { first_cycle, revision: self.revision(), replaces, last, columns, digest, tails })
     }
 
     /// The digest of `cycle`, not before the motion and not before what was forgotten.

@@ -16,12 +16,20 @@ pub(super) struct Credit {
     sent: u64,
     /// The farthest that was ever sent: the axis may hold it even where it is to be sent again.
     farthest: u64,
+    /// Another server has sent until now: how far, the first report says.
+    follows: bool,
 }
 
 impl Credit {
     /// Nothing is executed, and `lead` cycles are granted.
     pub(super) fn first(lead: u64) -> Self {
         Self { grant: lead, ..Self::default() }
+    }
+
+    /// `executed` is executed and `held` is held of what another server has sent; `lead` cycles are granted.
+    pub(super) fn resumed(executed: u64, held: u64, lead: u64) -> Self {
+        let grant = executed.saturating_add(lead);
+        Self { executed, accepted: held, grant, sent: held, farthest: held, follows: true }
     }
 
     pub(super) fn executed(&self) -> u64 {
@@ -42,8 +50,11 @@ impl Credit {
                 "executed_cycle {executed_cycle} is past accepted_cycle {accepted_cycle}"
             ));
         }
-        if accepted_cycle > self.farthest {
-            let sent = self.farthest;
+        // The other server went on until this one had opened, as far as was granted.
+        let elsewhere = if self.follows { grant_cycle.min(executed_cycle.saturating_add(FARTHEST_AHEAD)) } else { 0 };
+        let farthest = self.farthest.max(elsewhere);
+        if accepted_cycle > farthest {
+            let sent = farthest;
             return impossible(format!(
                 "accepted_cycle {accepted_cycle} is past {sent}, the last cycle sent"
             ));
@@ -59,6 +70,8 @@ impl Credit {
         self.accepted = accepted_cycle;
         self.grant = grant_cycle;
         self.sent = self.sent.max(accepted_cycle);
+        self.farthest = self.farthest.max(accepted_cycle);
+        self.follows = false;
         Ok(())
     }
 

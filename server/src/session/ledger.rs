@@ -24,18 +24,8 @@ impl Ledger {
     /// The digest of `cycle`: noted, or computed from the note before it.
     pub(super) fn digest_at(&self, cycle: u64, motion: &Motion) -> Digest {
         let after = self.entries.partition_point(|entry| entry.0 <= cycle);
-        let Some(&(noted, mut digest)) = after.checked_sub(1).and_then(|index| self.entries.get(index))
-        else {
-            return Digest::ZERO;
-        };
-        if noted < cycle {
-            let mut sampler = motion.plan().sampler();
-            for cycle in noted + 1..=cycle {
-                let setpoints = sampler.at(motion.plan_cycle(cycle));
-                digest = digest.then(cycle, setpoints.map(|setpoint| setpoint.words()));
-            }
-        }
-        digest
+        let known = after.checked_sub(1).and_then(|index| self.entries.get(index));
+        known.map_or(Digest::ZERO, |&known| motion.digest_from(known, cycle))
     }
 
     /// Drops what nobody can ask about any more, but for the last note at or before `cycle`.

@@ -30,6 +30,7 @@ mod branch;
 mod credit;
 mod event;
 mod ledger;
+mod opening;
 mod operations;
 mod pace;
 mod queue;
@@ -37,7 +38,6 @@ mod splice;
 
 use std::collections::VecDeque;
 
-use planner::Quantity;
 use proto::stream::{
     BATCH_CYCLES, Batch, FromAxis, Motion, Open, Opened, OperationResult, Phase, Report, StreamEvent,
     StreamEventKind, ToAxis,
@@ -47,6 +47,7 @@ use proto::{Reason, Rejected};
 use branch::Branch;
 use credit::Credit;
 pub use event::{Answer, Event, Output};
+use opening::Opening;
 use pace::Pace;
 use queue::{Asker, Queue};
 use splice::{Splice, Turn};
@@ -85,34 +86,31 @@ pub struct Session {
 }
 
 impl Session {
-    /// Opens a stream for an axis that stands in the plan's first state.
+    /// Opens a stream for an axis that stands in the plan's first state; or goes on with one that another server has served, at the
+    /// next cycle, with the same bits.
     ///
     /// # Errors
     /// A plan that guarantees too little, or whose closing stop leaves the position range; an axis that has already
-    /// executed something.
+    /// executed something of a new plan. Of a motion under way, [`Reason::ResumePastEnd`], and [`Reason::DigestMismatch`] where the
+    /// axis does not hold the setpoints that are planned here.
     pub fn open(open: Open, served_by: &str) -> Result<Self, Rejected> {
-        let Open { epoch, lead_cycles, batch_cycles, axis_guard, close_at_rest, executed_cycle, .. } = open;
-        if executed_cycle != 0 {
-            let text = format!("is {executed_cycle}: a stream that opens with a plan begins at cycle 0");
-            return Err(Rejected::for_field("open.executed_cycle", Reason::ValueOutOfRange, text));
-        }
-        let motion = motion(open)?;
-        let opened = Opened {
-            motion: motion.clone(),
-            first_cycle: 1,
-            served_by: served_by.into(),
-            current_epoch: epoch,
-        };
+        let Open { epoch, lead_cycles, batch_cycles, axis_guard, close_at_rest, .. } = open;
+        let Opening { branch, credit, first_cycle } = Opening::of(open)?;
+        let motion = branch.motion.clone();
+        let recent = motion.recent.to_vec();
+        let effective = recent.last().map_or(0, |result| result.effective_cycle);
+        let effective = effective.max(motion.under_way.from_cycle());
+        let opened = Opened { motion, first_cycle, served_by: served_by.into(), current_epoch: epoch };
         let batch_cycles = u64::from(batch_cycles.clamp(*BATCH_CYCLES.start(), *BATCH_CYCLES.end()));
         let mut session = Self {
-            adopted: Branch::opened(motion),
+            adopted: branch,
             splice: None,
             queue: Queue::default(),
-            recent: Vec::new(),
-            effective: 0,
+            recent,
+            effective,
             close_at_rest,
             batch_cycles,
-            credit: Credit::first(u64::from(lead_cycles)),
+            credit,
             pace: Pace::new(u64::from(axis_guard), batch_cycles.min(u64::from(lead_cycles))),
             refusals: 0,
             stands_at: None,
@@ -204,7 +202,13 @@ impl Session {
         if self.ended {
             return None;
         }
-        self.next_batch().map(|batch| Output::Send(ToAxis::Batch(batch)))
+        match self.next_batch()? {
+            Ok(batch) => Some(Output::Send(ToAxis::Batch(batch))),
+            Err(rejected) => {
+                self.end(Err(rejected));
+                self.outbox.pop_front()
+            }
+        }
     }
 
     /// What became of a command, if that is known of one.
@@ -327,7 +331,7 @@ impl Session {
         self.credit.has_more(self.adopted.end(self.close_at_rest))
     }
 
-    fn next_batch(&mut self) -> Option<Batch> {
+    fn next_batch(&mut self) -> Option<Result<Batch, Rejected>> {
         let (sent, executed, close_at_rest) =
             (self.credit.sent(), self.credit.executed(), self.close_at_rest);
         let (branch, cycles, replaces) = match self.splice.as_mut().map(|splice| (splice.turn(sent), splice))
@@ -373,19 +377,4 @@ impl Session {
         self.ended = true;
         self.outbox.push_back(Output::End(how));
     }
-}
-
-/// The motion that an opened plan becomes: with a stop after it, if it ends at speed.
-fn motion(open: Open) -> Result<Motion, Rejected> {
-    let plan = open.plan.plan();
-    let proved = plan.guarantees(Quantity::Velocity) && plan.guarantees(Quantity::Acceleration);
-    if !proved && !open.accept_unproved {
-        let text = "the plan does not guarantee velocity and acceleration: plan with a family that does, or set \
-                    accept_unproved";
-        return Err(Rejected::for_field("open.plan", Reason::NotProved, text));
-    }
-    planner::motion::Motion::open(open.plan).map(Motion::opened).map_err(|refused| match refused {
-        planner::motion::Refused::Invalid(invalid) => proto::within("open.plan", invalid),
-        other => other.into(),
-    })
 }

@@ -17,7 +17,7 @@ pub(super) fn of(error: TrackError, named: &[String]) -> Rejected {
         TrackError::NotOpened { endpoint, cause } => {
             let reason = match cause {
                 Error::Address { .. } => Reason::EndpointInvalid,
-                Error::Unreachable { .. } => Reason::PlannerUnreachable,
+                Error::Unreachable { .. } | Error::Unanswered { .. } => Reason::PlannerUnreachable,
                 Error::TooLarge { .. } => Reason::MessageTooLarge,
                 Error::NotServed { .. } | Error::Protocol(_) | Error::Rejected(_) => Reason::NotAPlanner,
             };

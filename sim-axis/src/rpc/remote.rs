@@ -8,6 +8,7 @@ use proto::{MAX_MESSAGE_BYTES, Rejected, pb, plan_to_wire};
 use tonic::transport::Channel;
 use tonic::{Status, Streaming};
 
+use super::convert::change_from_wire;
 use crate::clock::Clock;
 use crate::run::{TrackRequest, TrackingReport, Update};
 
@@ -86,6 +87,11 @@ impl RemoteRun {
                     let event = event.try_into().map_err(rejected)?;
                     return Ok(Some(Update::Event(event)));
                 }
+                Some(Message::FailOver(change)) => {
+                    if let Some(change) = change_from_wire(change) {
+                        return Ok(Some(Update::FailedOver(change)));
+                    }
+                }
                 Some(Message::Report(report)) => self.report = Some(report.into()),
                 // Something that a newer simulator says beside the rest.
                 None => {}
@@ -118,8 +124,9 @@ fn to_wire(request: TrackRequest) -> pb::RunTrackingRequest {
         settle_tolerance,
         stay_open,
         accept_unproved,
+        patience,
     } = request;
-    let ns = (settle_window * 1e9) as i64;
+    let duration = |ns: i64| prost_types::Duration { seconds: ns / 1_000_000_000, nanos: (ns % 1_000_000_000) as i32 };
     pb::RunTrackingRequest {
         stream,
         endpoints,
@@ -127,12 +134,10 @@ fn to_wire(request: TrackRequest) -> pb::RunTrackingRequest {
         models: models.iter().map(|model| model.spec().clone().into()).collect(),
         lead_cycles,
         virtual_time: clock == Clock::Virtual,
-        settle_window: Some(prost_types::Duration {
-            seconds: ns / 1_000_000_000,
-            nanos: (ns % 1_000_000_000) as i32,
-        }),
+        settle_window: Some(duration((settle_window * 1e9) as i64)),
         settle_tolerance: settle_tolerance.unwrap_or_default(),
         stay_open,
         accept_unproved,
+        patience: Some(duration(i64::try_from(patience.as_nanos()).unwrap_or(i64::MAX))),
     }
 }

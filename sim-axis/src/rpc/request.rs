@@ -1,5 +1,8 @@
 //! From a request on the wire to one that can be run, or to everything that is wrong with it.
 
+use std::time::Duration;
+
+use client::failover::DEFAULT_PATIENCE;
 use planner::{AxisKind, Plan, wrong_name};
 use proto::stream::{DEFAULT_LEAD_CYCLES, LEAD_CYCLES};
 use proto::{FieldViolation, Reason, Rejected, pb};
@@ -24,6 +27,7 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
         settle_tolerance,
         stay_open,
         accept_unproved,
+        patience,
     } = wire;
     let mut faults = Faults::default();
     if let Some(why) = wrong_name(&stream) {
@@ -58,6 +62,14 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
         let text = InvalidConfig::SettleTolerance { tolerance: settle_tolerance };
         faults.note("settle_tolerance", reason, text);
     }
+    let malformed = patience.as_ref().and_then(proto::malformed_duration);
+    let patience = patience.map_or(DEFAULT_PATIENCE.as_secs_f64(), seconds);
+    if let Some(why) = malformed {
+        faults.note("patience", Reason::ValueOutOfRange, why);
+    } else if !(0.0..=MOST_PATIENCE).contains(&patience) {
+        let text = format!("is {patience} s: give 0 to {MOST_PATIENCE} s, or leave it out for {DEFAULT_PATIENCE:?}");
+        faults.note("patience", Reason::ValueOutOfRange, text);
+    }
     let plan = faults.none_in(plan)?;
     let plan = proto::accepted("plan", plan)?;
     Ok(TrackRequest {
@@ -71,8 +83,12 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
         settle_tolerance: (settle_tolerance > 0.0).then_some(settle_tolerance),
         stay_open,
         accept_unproved,
+        patience: Duration::from_secs_f64(patience),
     })
 }
+
+/// The longest that a planner is looked for \[s\].
+const MOST_PATIENCE: f64 = 3600.0;
 
 fn seconds(wire: prost_types::Duration) -> f64 {
     let prost_types::Duration { seconds, nanos } = wire;

@@ -1,0 +1,146 @@
+//! What another server needs to go on with a stream: kept beside a buffer by whoever carries its messages.
+
+use std::collections::VecDeque;
+
+use proto::stream::{Batch, FARTHEST_CHECKPOINT, Motion, Report, Resume, Tails};
+use proto::{Digest, Rejected};
+
+/// The motion as the axis has adopted it, and how far it holds it.
+///
+/// The axis is the log: a motion counts as soon as a report shows its revision, and nothing that only a server knows does.
+#[derive(Clone, Debug)]
+pub struct Record {
+    motion: Motion,
+    /// Told to the axis, and not in a report yet.
+    announced: Option<Motion>,
+    /// Digests of cycles that were reported as held, ascending; of the adopted motion alone, and never empty.
+    marks: VecDeque<(u64, Digest)>,
+    /// The ways to rest that came with batches: revision, last cycle and way.
+    tails: VecDeque<(u64, u64, Tails)>,
+    executed: u64,
+    /// The last cycle of the stream, once a batch has said so.
+    last: Option<u64>,
+}
+
+impl Record {
+    /// Of a stream that has just been opened.
+    #[must_use]
+    pub fn opened(motion: Motion) -> Self {
+        let marks = VecDeque::from([(0, Digest::ZERO)]);
+        Self { motion, announced: None, marks, tails: VecDeque::new(), executed: 0, last: None }
+    }
+
+    /// The motion that is adopted.
+    #[must_use]
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// The last cycle that was reported as executed.
+    #[must_use]
+    pub fn executed(&self) -> u64 {
+        self.executed
+    }
+
+    /// The last cycle that is held, as far as is known.
+    #[must_use]
+    pub fn held(&self) -> u64 {
+        self.mark().0
+    }
+
+    /// Does the axis hold everything up to the last cycle of the stream?
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.last.is_some_and(|last| self.held() >= last)
+    }
+
+    fn mark(&self) -> (u64, Digest) {
+        self.marks.back().copied().unwrap_or_default()
+    }
+
+    /// Takes note of a motion that the axis is told of.
+    pub fn announce(&mut self, motion: Motion) {
+        self.announced = Some(motion);
+    }
+
+    /// Takes note of a batch that the axis is given.
+    pub fn carry(&mut self, batch: &Batch) {
+        let end = batch.last_cycle();
+        // What it replaces is not the end any more.
+        self.last = if batch.last { Some(end) } else { self.last.filter(|last| *last < batch.first_cycle) };
+        self.tails.retain(|(_, cycle, _)| *cycle != end);
+        self.tails.push_back((batch.revision, end, batch.tails.clone()));
+    }
+
+    /// Takes over what the axis says of itself.
+    pub fn report(&mut self, report: &Report) {
+        let &Report { executed_cycle, accepted_cycle, revision, digest, .. } = report;
+        self.executed = self.executed.max(executed_cycle);
+        if let Some(adopted) = self.announced.take_if(|announced| announced.revision() == revision) {
+            self.adopt(adopted);
+        }
+        if revision != self.motion.revision() {
+            // Of a way to rest that is known already, or of nothing that was announced.
+            return;
+        }
+        while self.marks.back().is_some_and(|(cycle, _)| *cycle >= accepted_cycle) {
+            self.marks.pop_back();
+        }
+        self.marks.push_back((accepted_cycle, digest));
+        let oldest = accepted_cycle.saturating_sub(FARTHEST_CHECKPOINT);
+        while self.marks.len() > 1 && self.marks.front().is_some_and(|(cycle, _)| *cycle + 1 < oldest) {
+            self.marks.pop_front();
+        }
+        self.tails.retain(|(_, cycle, _)| *cycle >= accepted_cycle);
+    }
+
+    fn adopt(&mut self, motion: Motion) {
+        let from = motion.under_way.from_cycle();
+        // Where its setpoints are those of the motion before it, so are the digests.
+        if from != self.motion.under_way.from_cycle() {
+            self.marks.clear();
+            self.marks.push_back((from.saturating_sub(1), motion.digest_before));
+        }
+        self.motion = motion;
+    }
+
+    /// The axis has heard no more after `from`, the last cycle that it held, and comes to rest: the motion becomes that, and all of its cycles
+    /// count as held. Gives the digest of the last.
+    ///
+    /// # Errors
+    /// A way to rest that did not come with that cycle, or that the judge does not accept.
+    pub fn starve(&mut self, from: u64, digest: Digest) -> Result<Digest, Rejected> {
+        let revision = self.motion.revision();
+        let way = self.tails.iter().find(|(of, cycle, _)| *of == revision && *cycle == from);
+        let tails = way.map(|(_, _, tails)| tails.clone()).unwrap_or_default();
+        let known = self.marks.iter().rev().find(|(cycle, _)| *cycle < from);
+        let first = self.motion.under_way.from_cycle();
+        let known = known.copied().unwrap_or((first.saturating_sub(1), self.motion.digest_before));
+        let digest_before = self.motion.digest_from(known, from.saturating_sub(1));
+        let motion = self.motion.starved(from, &tails, digest_before)?;
+        let rests = motion.last_cycle();
+        // The farthest from which a server may be asked to check.
+        let checkpoint = from.max(rests.saturating_sub(FARTHEST_CHECKPOINT));
+        let at_checkpoint = motion.digest_from((from, digest), checkpoint);
+        let end = motion.digest_from((checkpoint, at_checkpoint), rests);
+        self.motion = motion;
+        self.announced = None;
+        self.marks = VecDeque::from([(checkpoint, at_checkpoint), (rests, end)]);
+        self.tails.clear();
+        self.last = None;
+        Ok(end)
+    }
+
+    /// What to open with elsewhere.
+    #[must_use]
+    pub fn resume(&self) -> Resume {
+        let (held, digest) = self.mark();
+        let first = self.motion.under_way.from_cycle();
+        let earliest = first.max((held + 1).saturating_sub(FARTHEST_CHECKPOINT));
+        let marks = self.marks.iter().find(|(cycle, _)| *cycle + 1 >= earliest);
+        let &(cycle, checkpoint_digest) = marks.unwrap_or(&(held, digest));
+        // The digest before cycle 0 is that of cycle 0, which is not in it.
+        let checkpoint_cycle = if cycle == 0 && first == 0 { 0 } else { cycle + 1 };
+        Resume { motion: self.motion.clone(), next_cycle: held + 1, digest, checkpoint_cycle, checkpoint_digest }
+    }
+}

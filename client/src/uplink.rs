@@ -1,0 +1,280 @@
+use std::collections::{HashMap, VecDeque};
+use std::time::Duration;
+
+use planner::CycleTime;
+use proto::pb;
+use proto::stream::{FromAxis, Open, Operation, Report, ToAxis};
+use tokio::sync::mpsc;
+use tokio::task::{AbortHandle, JoinSet};
+use tokio::time::Instant;
+
+use crate::failover::{Action, Failover, Feed, News};
+use crate::{Client, Error, Link, link};
+
+/// What comes next on a stream, whoever serves it.
+#[expect(clippy::large_enum_variant, reason = "most are batches: a box would be one more allocation each")]
+#[derive(Debug)]
+pub enum Next {
+    /// For the buffer.
+    Feed(Feed),
+    /// For whoever runs the axis.
+    News(News),
+}
+
+/// A stream over gRPC that outlives its servers: [`Failover`], and the connections that it asks for.
+///
+/// Whoever owns the buffer takes what comes [next](Self::next) to it, and [reports](Self::report) how far the axis is.
+#[derive(Debug)]
+pub struct Uplink {
+    core: Failover,
+    begun: Instant,
+    endpoints: Vec<String>,
+    /// Connections that are open and wait to be needed.
+    warm: HashMap<usize, Client>,
+    warming: JoinSet<(usize, Option<Client>)>,
+    lines: HashMap<u64, Line>,
+    opening: JoinSet<(u64, Result<(Link, ToAxis), Error>)>,
+    serving: Option<(u64, Link)>,
+    /// What is to be handed out, in order.
+    ready: VecDeque<Next>,
+    /// Of every report the newest, where the server does not take them up.
+    unsent: Option<Report>,
+}
+
+/// The axis's side of a stream, or of one that is being opened.
+#[derive(Debug)]
+struct Line {
+    outgoing: mpsc::Sender<pb::StreamSetpointsRequest>,
+    opening: AbortHandle,
+    endpoint: usize,
+}
+
+/// What has happened.
+enum Happened {
+    Heard(u64, Result<Option<(u64, ToAxis)>, Error>),
+    Opened(u64, Result<(Link, ToAxis), Error>),
+    Warmed(usize, Option<Client>),
+    Woken,
+}
+
+impl Uplink {
+    /// Begins to open a stream at one of `endpoints`, in their order. What comes of it is told [next](Self::next).
+    ///
+    /// `patience` is how long a server that goes on is looked for, once there is none.
+    #[must_use]
+    pub fn new(endpoints: Vec<String>, open: Open, cycle: CycleTime, patience: Duration) -> Self {
+        Self {
+            core: Failover::new(Duration::ZERO, open, cycle, endpoints.len(), patience),
+            begun: Instant::now(),
+            endpoints,
+            warm: HashMap::new(),
+            warming: JoinSet::new(),
+            lines: HashMap::new(),
+            opening: JoinSet::new(),
+            serving: None,
+            ready: VecDeque::new(),
+            unsent: None,
+        }
+    }
+
+    /// What was decided so far.
+    #[must_use]
+    pub fn failover(&self) -> &Failover {
+        &self.core
+    }
+
+    /// The endpoint of that number, as it was given.
+    #[must_use]
+    pub fn endpoint(&self, number: usize) -> &str {
+        self.endpoints.get(number).map_or("", String::as_str)
+    }
+
+    /// The axis says how far it is; `heeded` counts the times that it took up [`Feed::Resuming`].
+    pub fn report(&mut self, report: Report, heeded: u64) {
+        self.core.reported(self.begun.elapsed(), report, heeded);
+        self.act();
+    }
+
+    /// Asks for an operation. What becomes of it is told, also where another server goes on in the meantime.
+    pub fn operate(&mut self, operation: Operation) {
+        self.core.operate(operation);
+        self.act();
+    }
+
+    /// The axis has no more use for the stream.
+    pub fn close(&mut self) {
+        self.core.close();
+        self.act();
+    }
+
+    /// What comes next; forever nothing after [`News::Over`]. Nothing is lost where it is not waited for to the end.
+    pub async fn next(&mut self) -> Next {
+        loop {
+            self.act();
+            if let Some(next) = self.ready.pop_front() {
+                return next;
+            }
+            let happened = self.happens().await;
+            let now = self.begun.elapsed();
+            match happened {
+                Happened::Heard(epoch, Ok(Some((said, message)))) => match message {
+                    // The buffer drops it, and counts.
+                    ToAxis::Batch(batch) if said != epoch => return Next::Feed(Feed::Batch(said, batch)),
+                    _ if said != epoch => {}
+                    message => self.core.heard(now, epoch, message),
+                },
+                Happened::Heard(epoch, Ok(None)) => self.over(now, epoch, Ok(())),
+                Happened::Heard(epoch, Err(error)) => self.over(now, epoch, Err(error)),
+                Happened::Opened(epoch, Ok((link, message))) => {
+                    // The link first: what is decided next may need it.
+                    let before = self.serving.replace((epoch, link));
+                    self.core.heard(now, epoch, message);
+                    if !self.is_served_by(epoch) {
+                        self.serving = before;
+                    }
+                }
+                Happened::Opened(epoch, Err(error)) => {
+                    if let Some(line) = self.lines.remove(&epoch) {
+                        // It may have been the connection that is broken.
+                        self.warm.remove(&line.endpoint);
+                    }
+                    self.core.ended(now, epoch, Err(error));
+                }
+                Happened::Warmed(endpoint, client) => {
+                    self.warm.extend(client.map(|client| (endpoint, client)));
+                }
+                Happened::Woken => {}
+            }
+            self.core.woken(self.begun.elapsed());
+        }
+    }
+
+    fn is_served_by(&self, epoch: u64) -> bool {
+        self.core.serving_epoch() == Some(epoch)
+    }
+
+    fn over(&mut self, now: Duration, epoch: u64, how: Result<(), Error>) {
+        self.serving = None;
+        self.core.ended(now, epoch, how);
+    }
+
+    /// Does what is to be done here, and keeps the rest to be handed out.
+    fn act(&mut self) {
+        while let Some(action) = self.core.poll() {
+            match action {
+                Action::Feed(feed) => self.ready.push_back(Next::Feed(feed)),
+                Action::Tell(news) => {
+                    if matches!(news, News::Opened(_) | News::FailedOver(_)) {
+                        self.warm_up();
+                    }
+                    self.ready.push_back(Next::News(news));
+                }
+                Action::Send(epoch, message) => self.send(epoch, message),
+                Action::Drop(epoch) => {
+                    if let Some(line) = self.lines.remove(&epoch) {
+                        line.opening.abort();
+                    }
+                    self.serving.take_if(|serving| serving.0 == epoch);
+                }
+                Action::Try { endpoint, open } => self.open(endpoint, *open),
+            }
+        }
+        if let (Some(report), Some(epoch)) = (self.unsent.take(), self.core.serving_epoch()) {
+            self.send(epoch, FromAxis::Report(report));
+        }
+    }
+
+    /// A newer report says all that an older one did, but for what was refused; and a server that takes up none hears the newest.
+    fn send(&mut self, epoch: u64, message: FromAxis) {
+        let Some(line) = self.lines.get(&epoch) else { return };
+        let message = match message {
+            FromAxis::Report(report) => {
+                let refused = self.unsent.take().and_then(|older| older.refused);
+                FromAxis::Report(Report { refused: report.refused.clone().or(refused), ..report })
+            }
+            other => other,
+        };
+        let sent = line.outgoing.try_send(proto::request_to_wire(&message));
+        if let (Err(mpsc::error::TrySendError::Full(_)), FromAxis::Report(report)) = (sent, message) {
+            self.unsent = Some(report);
+        }
+    }
+
+    fn open(&mut self, endpoint: usize, open: Open) {
+        let epoch = open.epoch;
+        let (outgoing, requests) = mpsc::channel(link::OUTBOX);
+        // There is room for it.
+        let _ = outgoing.try_send(proto::request_to_wire(&FromAxis::Open(Box::new(open))));
+        let address = self.endpoint(endpoint).to_owned();
+        // Behind a single address there may be several servers: a connection of its own may find another.
+        let warm = if self.endpoints.len() > 1 { self.warm.get(&endpoint).cloned() } else { None };
+        let opening = self.opening.spawn(async move {
+            let opened = async {
+                let client = match warm {
+                    Some(client) => client,
+                    None => Client::connect(&address).await?,
+                };
+                let mut link = client.open_with(requests).await?;
+                match link.next().await? {
+                    Some((_, message)) => Ok((link, message)),
+                    None => Err(Error::Protocol("the stream ended before it was opened".into())),
+                }
+            };
+            (epoch, opened.await)
+        });
+        self.lines.insert(epoch, Line { outgoing, opening, endpoint });
+    }
+
+    /// Connects to the endpoint that will be asked next.
+    fn warm_up(&mut self) {
+        let Some(serving) = self.core.endpoint().filter(|_| self.endpoints.len() > 1) else { return };
+        let next = (serving + 1) % self.endpoints.len();
+        if self.warm.contains_key(&next) {
+            return;
+        }
+        let address = self.endpoint(next).to_owned();
+        self.warming.spawn(async move { (next, Client::connect(&address).await.ok()) });
+    }
+
+    async fn happens(&mut self) -> Happened {
+        let Self { core, begun, warming, opening, serving, .. } = self;
+        let heard = async {
+            match serving {
+                Some((epoch, link)) => Happened::Heard(*epoch, link.next().await),
+                None => std::future::pending().await,
+            }
+        };
+        let opened = async {
+            loop {
+                match opening.join_next().await {
+                    Some(Ok((epoch, opened))) => return Happened::Opened(epoch, opened),
+                    // It was not wanted any more.
+                    Some(Err(_)) => {}
+                    None => std::future::pending().await,
+                }
+            }
+        };
+        let warmed = async {
+            loop {
+                match warming.join_next().await {
+                    Some(Ok((endpoint, client))) => return Happened::Warmed(endpoint, client),
+                    Some(Err(_)) => {}
+                    None => std::future::pending().await,
+                }
+            }
+        };
+        let woken = async {
+            match core.wake_at() {
+                Some(at) => tokio::time::sleep_until(*begun + at).await,
+                None => std::future::pending().await,
+            }
+        };
+        tokio::select! {
+            biased;
+            heard = heard => heard,
+            opened = opened => opened,
+            () = woken => Happened::Woken,
+            warmed = warmed => warmed,
+        }
+    }
+}
