@@ -188,9 +188,16 @@ impl Profile {
 
 /// Makes the running sum of `durations` come to `total`, of which it is some roundings short or long, to the last bit or two, by a
 /// change of the longest, where it is worth least.
-pub(crate) fn add_up(durations: &mut [f64], total: f64) {
-    let sum = durations.iter().fold(0.0, |sum, duration| sum + duration);
-    if let Some(longest) = durations.iter_mut().max_by(|a, b| a.total_cmp(b)) {
+pub(crate) fn add_up<'a>(durations: impl IntoIterator<Item = &'a mut f64>, total: f64) {
+    let (mut sum, mut longest) = (0.0, None::<&mut f64>);
+    for duration in durations {
+        sum += *duration;
+        // The last of several that are as long.
+        if longest.as_ref().is_none_or(|longest| **longest <= *duration) {
+            longest = Some(duration);
+        }
+    }
+    if let Some(longest) = longest {
         *longest += total - sum;
     }
 }
