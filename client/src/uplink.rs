@@ -95,11 +95,6 @@ impl Uplink {
         }
     }
 
-    /// Connects so from now on: with encryption, as every connection of the stream is to.
-    pub fn connect_by(&mut self, connect: Connect) {
-        self.connect = connect;
-    }
-
     /// What was decided so far.
     #[must_use]
     pub fn failover(&self) -> &Failover {
