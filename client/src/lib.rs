@@ -50,6 +50,7 @@ pub use uplink::{Next, Uplink};
 #[derive(Clone, Debug)]
 pub struct Client {
     endpoint: String,
+    connect: Connect,
     most_bytes: usize,
     planner: PlannerServiceClient<Traffic>,
     setpoints: SetpointServiceClient<Traffic>,
@@ -69,9 +70,10 @@ impl Client {
     }
 
     /// Over a connection that is there.
-    pub(crate) fn over(endpoint: &str, channel: Channel) -> Self {
+    pub(crate) fn over(endpoint: &str, connect: Connect, channel: Channel) -> Self {
         let connected = Self {
             endpoint: endpoint.into(),
+            connect,
             most_bytes: MAX_MESSAGE_BYTES,
             planner: PlannerServiceClient::with_interceptor(channel.clone(), Traced),
             setpoints: SetpointServiceClient::with_interceptor(channel, Traced),
@@ -83,13 +85,20 @@ impl Client {
     /// end with [`Error::TooLarge`].
     #[must_use]
     pub fn with_message_limit(self, bytes: usize) -> Self {
-        let Self { endpoint, most_bytes: _, planner, setpoints } = self;
+        let Self { endpoint, connect, most_bytes: _, planner, setpoints } = self;
         Self {
             endpoint,
+            connect,
             most_bytes: bytes,
             planner: planner.max_decoding_message_size(bytes),
             setpoints: setpoints.max_decoding_message_size(bytes),
         }
+    }
+
+    /// How the server was connected to.
+    #[must_use]
+    pub fn connect_options(&self) -> &Connect {
+        &self.connect
     }
 
     /// Where the server is, as it was given.

@@ -5,7 +5,7 @@ use proto::Rejected;
 use proto::stream::{Motion, Open, Operation, OperationResult, Refused, Source, StreamEvent};
 
 use crate::failover::{Change, DEFAULT_PATIENCE, Feed, News};
-use crate::{Buffer, Client, Error, Next, Playing, Standing, Uplink};
+use crate::{Buffer, Client, Connect, Error, Next, Playing, Standing, Uplink};
 
 /// The cycles of a stream, in order, one after the other. Whoever asks for the next one is the clock.
 ///
@@ -32,7 +32,8 @@ impl Setpoints {
     /// [`Error::Rejected`] if the server does not take the plan, or has the stream under a newer epoch. [`Error::Protocol`] for a
     /// motion that is under way already.
     pub async fn open(client: &Client, open: Open) -> Result<Self, Error> {
-        Self::open_at(vec![client.endpoint().to_owned()], open, Duration::ZERO).await
+        let endpoints = vec![client.endpoint().to_owned()];
+        Self::open_by(client.connect_options(), endpoints, open, Duration::ZERO).await
     }
 
     /// The same at one of `endpoints`, which are tried in order; where the one that serves is lost, another goes on.
@@ -42,6 +43,19 @@ impl Setpoints {
     /// # Errors
     /// That of the last endpoint that was tried.
     pub async fn open_at(endpoints: Vec<String>, open: Open, patience: Duration) -> Result<Self, Error> {
+        Self::open_by(&Connect::new(), endpoints, open, patience).await
+    }
+
+    /// The same, with every connection made as `connect` says.
+    ///
+    /// # Errors
+    /// That of the last endpoint that was tried.
+    pub async fn open_by(
+        connect: &Connect,
+        endpoints: Vec<String>,
+        open: Open,
+        patience: Duration,
+    ) -> Result<Self, Error> {
         let Open { epoch, lead_cycles, axis_guard, .. } = open;
         let Source::Plan(plan) = &open.source else {
             return Err(Error::Protocol("a stream is begun with a plan".into()));
@@ -51,6 +65,7 @@ impl Setpoints {
         // At least one report a lead, or the credit would run out unseen.
         let batch_cycles = u64::from(open.batch_cycles.min(open.lead_cycles).max(1));
         let mut uplink = Uplink::new(endpoints, open, cycle, patience);
+        uplink.connect_by(connect.clone());
         let opened = loop {
             match uplink.next().await {
                 Next::News(News::Opened(opened)) => break opened,
