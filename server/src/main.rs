@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use server::{Config, Limits, Server};
-use serving::{Arguments, Exit, Flags, Given, Misfits, told_to_stop};
+use serving::{Arguments, Flags, Given, Misfits, told_to_stop};
 
 /// Plans jerk-limited motion and streams it to axes, over gRPC.
 #[derive(Debug, Parser)]
@@ -90,17 +90,18 @@ fn main() -> ExitCode {
         if let Some(Command::Settings) = command {
             return serving::print(&serving::settings_file(&Args::command()));
         }
-        let config = config(args, misfits)?;
+        let (config, misfits) = config(args, misfits);
         if let Some(Command::Healthcheck) = command {
+            // Whoever asks need not be told all that the process was.
             return serving::healthcheck(&config.serving, "motion.v1.PlannerService").await;
         }
-        let server = Server::bind(config).await?;
+        let server = Server::bind(misfits.into_result(config)?).await?;
         Ok(server.run(told_to_stop()?).await?)
     })
 }
 
-/// The settings, or everything that is wrong with them.
-fn config(args: Args, mut misfits: Misfits) -> Result<Config, Exit> {
+/// The settings, and everything that is wrong with them.
+fn config(args: Args, mut misfits: Misfits) -> (Config, Misfits) {
     let Args { listen, http, served_by, record, console_host: console_hosts, flags, motion, command: _ } = args;
     let serving = flags.settings(listen, http, &mut misfits);
     let MotionFlags {
@@ -128,7 +129,7 @@ fn config(args: Args, mut misfits: Misfits) -> Result<Config, Exit> {
     };
     let config = Config { serving, served_by, limits, record, console_hosts };
     misfits.extend(config.misfits());
-    Ok(misfits.into_result(config)?)
+    (config, misfits)
 }
 
 #[cfg(test)]
@@ -138,6 +139,6 @@ mod tests {
     #[test]
     fn the_defaults_of_flags_and_library_are_the_same() {
         let args = Args::try_parse_from(["portamento-server"]).unwrap();
-        assert_eq!(config(args, Misfits::default()), Ok(Config::default()));
+        assert_eq!(config(args, Misfits::default()), (Config::default(), Misfits::default()));
     }
 }

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use client::Connect;
-use serving::{Arguments, Exit, Flags, Given, Misfits, told_to_stop};
+use serving::{Arguments, Flags, Given, Misfits, told_to_stop};
 use sim_axis::{Config, Models, SimAxis};
 
 /// Simulates servo axes that follow streams of setpoints, and tells how well they did, over gRPC.
@@ -82,17 +82,18 @@ fn main() -> ExitCode {
         if let Some(Command::Settings) = command {
             return serving::print(&serving::settings_file(&Args::command()));
         }
-        let config = config(args, misfits)?;
+        let (config, misfits) = config(args, misfits);
         if let Some(Command::Healthcheck) = command {
+            // Whoever asks need not be told all that the process was.
             return serving::healthcheck(&config.serving, "motion.v1.SimAxisService").await;
         }
-        let axis = SimAxis::bind(config).await?;
+        let axis = SimAxis::bind(misfits.into_result(config)?).await?;
         Ok(axis.run(told_to_stop()?).await?)
     })
 }
 
-/// The settings, or everything that is wrong with them.
-fn config(args: Args, mut misfits: Misfits) -> Result<Config, Exit> {
+/// The settings, and everything that is wrong with them.
+fn config(args: Args, mut misfits: Misfits) -> (Config, Misfits) {
     let Args { listen, http, model, max_runs, planners, flags, command: _ } = args;
     let serving = flags.settings(listen, http, &mut misfits);
     let usual = Config::default();
@@ -104,7 +105,7 @@ fn config(args: Args, mut misfits: Misfits) -> Result<Config, Exit> {
     let connect = connect(planners, &mut misfits);
     let config = Config { serving, models, max_runs, connect };
     misfits.extend(config.misfits());
-    Ok(misfits.into_result(config)?)
+    (config, misfits)
 }
 
 fn connect(flags: PlannerFlags, misfits: &mut Misfits) -> Connect {
@@ -142,6 +143,6 @@ mod tests {
     #[test]
     fn the_defaults_of_flags_and_library_are_the_same() {
         let args = Args::try_parse_from(["portamento-sim-axis"]).unwrap();
-        assert_eq!(config(args, Misfits::default()), Ok(Config::default()));
+        assert_eq!(config(args, Misfits::default()), (Config::default(), Misfits::default()));
     }
 }

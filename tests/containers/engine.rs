@@ -1,5 +1,6 @@
 //! A Docker engine by its command: networks and containers that go away with their values.
 
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -71,38 +72,85 @@ impl Drop for Network {
     }
 }
 
-/// A container of one of the images: no root, a read-only file system, and a port on this machine's loopback.
+/// A container of one of the images: no root, a read-only file system, and ports on this machine's loopback.
 pub(crate) struct Container {
     id: String,
     port: u16,
+    http: u16,
 }
 
+/// Where each process answers HTTP in its container.
+const HTTP: u16 = 9090;
+
 impl Container {
-    /// Starts image `portamento-{image}` under `name` on `network`, and waits until it is healthy.
+    /// Starts image `portamento-{image}` under `name` on `network`, without encryption, and waits until it is healthy.
     pub(crate) fn start(network: &Network, image: &str, name: &str, port: u16) -> Self {
-        let publish = format!("127.0.0.1::{port}");
+        Self::start_with(network, image, name, port, &[], &[])
+    }
+
+    /// The same with `files`, a directory of which is `/files` in the container, and `arguments`.
+    pub(crate) fn start_with(
+        network: &Network,
+        image: &str,
+        name: &str,
+        port: u16,
+        files: &[&Path],
+        arguments: &[&str],
+    ) -> Self {
+        let publish = [format!("127.0.0.1::{port}"), format!("127.0.0.1::{HTTP}")];
         let tagged = format!("portamento-{image}:{TAG}");
-        let id = docker(&[
-            "run",
-            "--detach",
-            "--read-only",
-            "--cap-drop",
-            "ALL",
-            "--network",
-            &network.name,
-            "--network-alias",
-            name,
-            "--publish",
-            &publish,
-            &tagged,
-            "--insecure",
-        ]);
-        let mut container = Self { id, port: 0 };
+        let http = format!("--http=0.0.0.0:{HTTP}");
+        let volumes: Vec<String> =
+            files.iter().map(|directory| format!("{}:/files:ro", directory.display())).collect();
+        let mut command = vec!["run", "--detach", "--read-only", "--cap-drop", "ALL"];
+        command.extend(["--network", &network.name, "--network-alias", name]);
+        publish.iter().for_each(|port| command.extend(["--publish", port]));
+        volumes.iter().for_each(|volume| command.extend(["--volume", volume]));
+        // The health check asks where the process does.
+        let variable = if image == "server" { "PORTAMENTO_HTTP" } else { "PORTAMENTO_SIM_AXIS_HTTP" };
+        let variable = format!("{variable}=0.0.0.0:{HTTP}");
+        command.extend(["--env", &variable, &tagged, "--insecure", &http]);
+        command.extend(arguments);
+        let id = docker(&command);
+        let mut container = Self { id, port: 0, http: 0 };
         container.wait_until_healthy();
-        let published = docker(&["port", &container.id, &port.to_string()]);
-        let first = published.lines().next().expect("a published port");
-        container.port = first.rsplit(':').next().and_then(|port| port.parse().ok()).expect("a port");
+        container.port = container.published(port);
+        container.http = container.published(HTTP);
         container
+    }
+
+    fn published(&self, port: u16) -> u16 {
+        let published = docker(&["port", &self.id, &port.to_string()]);
+        let first = published.lines().next().expect("a published port");
+        first.rsplit(':').next().and_then(|port| port.parse().ok()).expect("a port")
+    }
+
+    /// Where it is from this machine, with encryption: its certificate has its name on the network.
+    pub(crate) fn secure_endpoint(&self) -> String {
+        format!("https://127.0.0.1:{}", self.port)
+    }
+
+    /// A page of its side port.
+    pub(crate) async fn page(&self, path: &str) -> (u16, String) {
+        let answer = reqwest::get(format!("http://127.0.0.1:{}{path}", self.http)).await.expect("an answer");
+        (answer.status().as_u16(), answer.text().await.expect("a text"))
+    }
+
+    /// One of its figures, over all labels.
+    pub(crate) async fn figure(&self, beginning: &str) -> f64 {
+        let (_, page) = self.page("/metrics").await;
+        let lines = page.lines().filter(|line| line.starts_with(beginning));
+        lines.filter_map(|line| line.rsplit(' ').next()?.parse::<f64>().ok()).sum()
+    }
+
+    /// Ends it in the middle of whatever it does.
+    pub(crate) fn kill(&self) {
+        docker(&["kill", &self.id]);
+    }
+
+    /// Takes it off the network, while it goes on.
+    pub(crate) fn disconnect(&self, network: &Network) {
+        docker(&["network", "disconnect", &network.name, &self.id]);
     }
 
     /// Where it is from this machine.

@@ -5,5 +5,8 @@
 //! with `PORTAMENTO_REQUIRE_DOCKER=1` that is a failure.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may fail by panicking")]
 
+mod cell;
 mod engine;
+mod fails_over;
 mod plan_and_track;
+mod plant;
