@@ -82,10 +82,16 @@ impl Server {
         let planner = Planner::new(config.limits, figures);
         let setpoints = Setpoints::new(streams, board.clone(), served_by, leaving.clone());
         let caller = Caller::without_a_name(config.serving.policy.clone());
-        let console =
-            Console { planner: planner.clone(), setpoints: setpoints.clone(), board, leaving: leaving.clone(), caller };
+        let console = Console {
+            planner: planner.clone(),
+            setpoints: setpoints.clone(),
+            board,
+            leaving: leaving.clone(),
+            caller,
+        };
         let pages = console.pages(&config.console_hosts, size);
-        let (planner, setpoints) = (PlannerServiceServer::new(planner), SetpointServiceServer::new(setpoints));
+        let (planner, setpoints) =
+            (PlannerServiceServer::new(planner), SetpointServiceServer::new(setpoints));
         let services = Services::of_schema(proto::FILE_DESCRIPTOR_SET)
             .with(planner.max_decoding_message_size(size))
             .with(setpoints.max_decoding_message_size(size))

@@ -102,7 +102,8 @@ fn main() -> ExitCode {
 
 /// The settings, and everything that is wrong with them.
 fn config(args: Args, mut misfits: Misfits) -> (Config, Misfits) {
-    let Args { listen, http, served_by, record, console_host: console_hosts, flags, motion, command: _ } = args;
+    let Args { listen, http, served_by, record, console_host: console_hosts, flags, motion, command: _ } =
+        args;
     let serving = flags.settings(listen, http, &mut misfits);
     let MotionFlags {
         max_streams,

@@ -31,23 +31,30 @@ async fn plan(State(console): State<Console>, body: Bytes) -> Response {
 }
 
 async fn plan_pvt(State(console): State<Console>, body: Bytes) -> Response {
-    let answer = async { console.planner.plan_pvt(console.admits("PlannerService/PlanPvt", read(&body)?)?).await };
+    let answer =
+        async { console.planner.plan_pvt(console.admits("PlannerService/PlanPvt", read(&body)?)?).await };
     write(answer.await)
 }
 
 async fn verify(State(console): State<Console>, body: Bytes) -> Response {
-    let answer = async { console.planner.verify_plan(console.admits("PlannerService/VerifyPlan", read(&body)?)?).await };
+    let answer = async {
+        console.planner.verify_plan(console.admits("PlannerService/VerifyPlan", read(&body)?)?).await
+    };
     write(answer.await)
 }
 
 async fn control(State(console): State<Console>, body: Bytes) -> Response {
-    let answer = async { console.setpoints.control_stream(console.admits("SetpointService/ControlStream", read(&body)?)?).await };
+    let answer = async {
+        console.setpoints.control_stream(console.admits("SetpointService/ControlStream", read(&body)?)?).await
+    };
     write(answer.await)
 }
 
 /// A line of JSON for each message.
 async fn sample(State(console): State<Console>, body: Bytes) -> Response {
-    let answer = async { console.planner.sample_plan(console.admits("PlannerService/SamplePlan", read(&body)?)?).await };
+    let answer = async {
+        console.planner.sample_plan(console.admits("PlannerService/SamplePlan", read(&body)?)?).await
+    };
     let samples = match answer.await {
         Ok(samples) => samples.into_inner(),
         Err(status) => return refused(&status),

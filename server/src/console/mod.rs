@@ -13,13 +13,13 @@ mod api;
 mod events;
 mod guard;
 
-use serving::{Caller, Leaving};
 use serving::axum::Router;
 use serving::axum::extract::DefaultBodyLimit;
 use serving::axum::http::header;
 use serving::axum::middleware::from_fn_with_state;
 use serving::axum::response::{IntoResponse as _, Redirect, Response};
 use serving::axum::routing::get;
+use serving::{Caller, Leaving};
 
 use crate::rpc::{Planner, Setpoints};
 use crate::watch::Board;
