@@ -45,7 +45,7 @@ impl Starved {
     }
 
     /// The last cycle before it.
-    pub(crate) fn from_cycle(&self) -> u64 {
+    pub(crate) fn after_cycle(&self) -> u64 {
         self.from
     }
 

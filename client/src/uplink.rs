@@ -12,7 +12,6 @@ use crate::failover::{Action, DEFAULT_PATIENCE, Failover, Feed, News};
 use crate::{Client, Connect, Error, Link, link};
 
 /// What comes next on a stream, whoever serves it.
-#[expect(clippy::large_enum_variant, reason = "most are batches: a box would be one more allocation each")]
 #[derive(Debug)]
 pub enum Next {
     /// For the buffer.
@@ -52,7 +51,7 @@ pub struct Uplink {
     warm: HashMap<usize, Client>,
     warming: JoinSet<(usize, Option<Client>)>,
     lines: HashMap<u64, Line>,
-    opening: JoinSet<(u64, Result<(Link, ToAxis), Error>)>,
+    opening: JoinSet<(u64, Result<FirstHeard, Error>)>,
     serving: Option<(u64, Link)>,
     /// What is to be handed out, in order.
     ready: VecDeque<Next>,
@@ -68,10 +67,13 @@ struct Line {
     endpoint: usize,
 }
 
+/// A stream, and the first that its server has said.
+type FirstHeard = (Link, ToAxis);
+
 /// What has happened.
 enum Happened {
     Heard(u64, Result<Option<(u64, ToAxis)>, Error>),
-    Opened(u64, Result<(Link, ToAxis), Error>),
+    Opened(u64, Result<FirstHeard, Error>),
     Warmed(usize, Option<Client>),
     Woken,
 }

@@ -6,10 +6,13 @@ use planner::{AxisMoveSpec, Judged, Limits, LimitsSpec, Request, RequestSpec, St
 use proptest::prelude::*;
 use prost::Message;
 use proto::stream::{
-    Ask, Columns, FromAxis, GoalSpec, Motion, Open, Operation, OperationResult, Report, Revised, StreamEvent,
-    StreamEventKind, ToAxis,
+    Ask, Batch, Columns, FromAxis, GoalSpec, Motion, Open, Operation, OperationResult, Report, Resume,
+    Revised, Source, StreamEvent, StreamEventKind, ToAxis,
 };
-use proto::{Digest, pb, plan_from_wire, plan_to_wire, request_from_wire, request_to_wire};
+use proto::{
+    Digest, pb, plan_from_wire, plan_to_wire, request_from_wire, request_to_wire, response_from_wire,
+    response_to_wire,
+};
 
 fn request(distance: f64, start: f64, end: f64, cruise: f64) -> RequestSpec {
     let axis = pb::AxisMove {
@@ -153,10 +156,39 @@ fn an_open_comes_back() {
         close_at_rest: true,
         accept_unproved: false,
         executed_cycle: 0,
-        plan,
+        source: Source::Plan(plan.clone()),
     };
-    let there = FromAxis::Open(Box::new(open));
-    assert_eq!(request_from_wire(request_to_wire(&there)).unwrap(), there);
+    let comes_back = |open: Open| {
+        let there = FromAxis::Open(Box::new(open));
+        assert_eq!(request_from_wire(request_to_wire(&there)).unwrap(), there);
+    };
+    comes_back(open.clone());
+    // In the middle of it, and after a way to rest.
+    let motion = Motion::opened(planner::motion::Motion::open(plan).unwrap());
+    let rests = motion.starved(100, &motion.tails(100).unwrap(), Digest::from(7)).unwrap();
+    for (motion, next_cycle) in [(motion, 101), (rests.clone(), rests.last_cycle() + 1)] {
+        let (digest, checkpoint_digest) = (Digest::from(5), Digest::from(6));
+        let resume =
+            Resume { motion, next_cycle, digest, checkpoint_cycle: next_cycle - 1, checkpoint_digest };
+        comes_back(Open { executed_cycle: 90, source: Source::Resume(Box::new(resume)), ..open.clone() });
+    }
+}
+
+#[test]
+fn a_batch_comes_back_with_its_ways_to_rest() {
+    let plan = judged(request(0.05, 0.0, 0.0, 0.25)).accepted().unwrap();
+    let motion = Motion::opened(planner::motion::Motion::open(plan).unwrap());
+    for cycles in [1..=100, 301..=motion.last_cycle()] {
+        let (first_cycle, last_cycle) = cycles.into_inner();
+        let columns = Columns::of_plan(motion.plan(), first_cycle..last_cycle + 1);
+        let tails = motion.tails(last_cycle).unwrap();
+        assert_eq!(tails.profiles().len(), usize::from(last_cycle < motion.last_cycle()));
+        let last = last_cycle == motion.last_cycle();
+        let (revision, replaces, digest) = (3, true, Digest::from(9));
+        let there = ToAxis::Batch(Batch { first_cycle, revision, replaces, last, columns, digest, tails });
+        let back = response_from_wire(response_to_wire(4, there.clone())).unwrap();
+        assert_eq!(back, (4, there));
+    }
 }
 
 /// The wire drops the sign of a zero: a plan from negative zeros has to sample to the same bits on both sides of it.

@@ -43,7 +43,10 @@ fn assert_continuous(axis: &Axis, what: &str) {
         let (p, q) = (pair[0][0].state, pair[1][0].state);
         let off = [
             ((q.acceleration - p.acceleration).abs(), jerk * t),
-            ((q.velocity - p.velocity - 0.5 * t * (p.acceleration + q.acceleration)).abs(), jerk * t * t / 4.0),
+            (
+                (q.velocity - p.velocity - 0.5 * t * (p.acceleration + q.acceleration)).abs(),
+                jerk * t * t / 4.0,
+            ),
             ((q.position - p.position - 0.5 * t * (p.velocity + q.velocity)).abs(), jerk * t * t * t / 12.0),
         ];
         for (off, bound) in off {
@@ -74,7 +77,8 @@ impl Tally {
 
 fn run(seed: u64, axes: usize, faults: Faults) -> Tally {
     let plan = planned(move_of(0.5, 0.25));
-    let opens = (0..axes).map(|axis| Open { lead_cycles: 60, ..open(&format!("cell-7/{axis}"), plan.clone()) });
+    let opens =
+        (0..axes).map(|axis| Open { lead_cycles: 60, ..open(&format!("cell-7/{axis}"), plan.clone()) });
     let mut network = Network::new(opens.collect(), 3, faults, seed);
     for axis in 0..axes {
         for (cycle, id, ask, _) in script() {
@@ -116,8 +120,8 @@ fn run(seed: u64, axes: usize, faults: Faults) -> Tally {
             .into_iter()
             .filter_map(|(_, id, _, operation)| {
                 let answers = axis.answers.iter().filter(|answer| answer.0 == id);
-                let done = answers.filter_map(|answer| answer.1.as_ref().ok());
-                done.last().map(|result| (result.effective_cycle, operation))
+                let mut done = answers.filter_map(|answer| answer.1.as_ref().ok());
+                done.next_back().map(|result| (result.effective_cycle, operation))
             })
             .collect();
         assert_eq!(done.len(), script().len(), "{what}: {:?}", axis.answers);

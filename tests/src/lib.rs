@@ -2,6 +2,7 @@
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
+    clippy::panic,
     clippy::missing_panics_doc,
     reason = "helpers of tests fail by panicking"
 )]
@@ -14,6 +15,7 @@ use std::net::SocketAddr;
 
 pub use certificates::{Authority, Identity};
 use client::Client;
+pub use network::{Axis, Faults, Network};
 use planner::{
     Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, ShortPathPolicy, State,
     Synchronization,
@@ -21,7 +23,6 @@ use planner::{
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::{Open, Source};
-pub use network::{Axis, Faults, Network};
 pub use rig::{Answer, Delays, Rig, difference, replay};
 use server::{Config, Server};
 use sim_axis::SimAxis;

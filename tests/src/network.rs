@@ -164,9 +164,11 @@ impl Network {
         for index in 0..self.replicas.len() {
             if self.replicas[index].up_at <= self.now && self.chance(dies) {
                 let down = 1 + self.random.bits() % down_for.max(1);
-                let sessions: Vec<Line> = self.replicas[index].sessions.drain().map(|(line, _)| line).collect();
+                let sessions: Vec<Line> =
+                    self.replicas[index].sessions.drain().map(|(line, _)| line).collect();
                 self.replicas[index] = Replica { up_at: self.now + down, ..Replica::default() };
-                let gone = || Error::Unreachable { endpoint: format!("replica {index}"), cause: "dead".into() };
+                let gone =
+                    || Error::Unreachable { endpoint: format!("replica {index}"), cause: "dead".into() };
                 for line in sessions {
                     self.post(line, false, Mail::Ended(line, Err(gone())));
                 }

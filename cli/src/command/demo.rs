@@ -10,9 +10,7 @@ use planner::{
 use proto::Digest;
 use proto::stream::{Ask, Operation, OperationResult};
 use serde_json::json;
-use sim_axis::{
-    AxisModel, Clock, TrackRequest, Tracking, TrackingReport, Update, default_settle_tolerance,
-};
+use sim_axis::{AxisModel, Clock, TrackRequest, Tracking, TrackingReport, Update, default_settle_tolerance};
 
 use crate::args::DemoArgs;
 use crate::command::compare::{Watched, families};

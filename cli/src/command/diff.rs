@@ -150,7 +150,7 @@ impl Pair<'_> {
         self.each(until, |cycle, words| {
             let differs = |(word, [a, b]): &(usize, [f64; 2])| {
                 // A zero without a sign is the same place as one with it; what is not a number is never the same.
-                !((a - b).abs() <= allowed[*word])
+                (a - b).abs().partial_cmp(&allowed[*word]).is_none_or(std::cmp::Ordering::is_gt)
             };
             found = words.into_iter().enumerate().find(differs).map(|(word, values)| (cycle, word, values));
             found.is_none()

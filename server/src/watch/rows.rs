@@ -134,6 +134,7 @@ impl Rows {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "numbers that are exact")]
 mod tests {
     use super::*;
     use planner::State;

@@ -301,6 +301,20 @@ impl From<StreamReport> for pb::StreamReportCard {
     }
 }
 
+/// Another planner goes on, on the wire.
+pub(super) fn change_to_wire(change: Change) -> pb::FailOver {
+    let Change { cause, from, to, executed_cycle, took } = change;
+    pb::FailOver { cause: cause.name().into(), from, to, executed_cycle, took: took.as_secs_f64() }
+}
+
+/// `None` for a cause of a newer simulator.
+pub(super) fn change_from_wire(wire: pb::FailOver) -> Option<Change> {
+    let pb::FailOver { cause, from, to, executed_cycle, took } = wire;
+    let cause = Cause::ALL.into_iter().find(|known| known.name() == cause)?;
+    let took = Duration::try_from_secs_f64(took).unwrap_or_default();
+    Some(Change { cause, from, to, executed_cycle, took })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -414,18 +428,4 @@ mod tests {
             prop_assert_eq!(Samples::try_from(pb::TrackingSamples::from(samples.clone())), Ok(samples));
         }
     }
-}
-
-/// Another planner goes on, on the wire.
-pub(super) fn change_to_wire(change: Change) -> pb::FailOver {
-    let Change { cause, from, to, executed_cycle, took } = change;
-    pb::FailOver { cause: cause.name().into(), from, to, executed_cycle, took: took.as_secs_f64() }
-}
-
-/// `None` for a cause of a newer simulator.
-pub(super) fn change_from_wire(wire: pb::FailOver) -> Option<Change> {
-    let pb::FailOver { cause, from, to, executed_cycle, took } = wire;
-    let cause = Cause::ALL.into_iter().find(|known| known.name() == cause)?;
-    let took = Duration::try_from_secs_f64(took).unwrap_or_default();
-    Some(Change { cause, from, to, executed_cycle, took })
 }
