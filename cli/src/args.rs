@@ -2,11 +2,15 @@
 
 mod command;
 mod compare;
+mod diff;
 mod field;
+mod init;
 mod limits;
 mod motion;
 mod pvt;
+mod replay;
 mod value;
+mod watch;
 
 use std::path::PathBuf;
 
@@ -18,11 +22,15 @@ use crate::failure::Failure;
 use crate::law::LawFlags;
 pub(crate) use command::{CommandArgs, Order};
 pub(crate) use compare::CompareArgs;
+pub(crate) use diff::DiffArgs;
 pub(crate) use field::{flag_of, in_flags};
+pub(crate) use init::{InitArgs, What};
 pub(crate) use limits::{HigherLimitFlags, LimitFlags};
 pub(crate) use motion::{Kind, LOST_DISTANCE, MoveFlags};
 pub(crate) use pvt::PvtArgs;
-use value::{endpoint, nanoseconds, svg};
+pub(crate) use replay::ReplayArgs;
+use value::{endpoint, figure, nanoseconds, recording};
+pub(crate) use watch::WatchArgs;
 
 /// Smooth, jerk-limited motion for machine axes: plans it, proves it, streams it.
 ///
@@ -38,19 +46,24 @@ use value::{endpoint, nanoseconds, svg};
     after_help = "\
 Examples:
   portamento demo
+  portamento init
+  portamento plan --request request.json --plot move.svg
   portamento plan --distance 0.05 --max-velocity 0.25 --max-acceleration 3 \\
-      --max-jerk 100 --plot move.svg --output move.json
+      --max-jerk 100 --plot move.png --output move.json
   portamento pvt --points points.csv --max-velocity 0.5 \\
       --max-acceleration 4 --max-jerk 160 --plot points.svg
   portamento verify --plan move.json
+  portamento diff move.json other.json
   portamento sample --plan move.json --output move.csv
   portamento track --plan move.json --endpoint http://127.0.0.1:50052
   portamento command hold --axis http://127.0.0.1:50052
+  portamento watch
+  portamento replay run.mcap
   portamento explain PATH_TOO_SHORT
 
 Exit codes:
   0  done
-  1  failed; for verify: the plan does not pass
+  1  failed; verify: the plan does not pass; diff, replay: they differ
   2  usage: a flag or an input file cannot be understood
   3  infeasible or refused, with the way out in the message
   4  the endpoint cannot be reached"
@@ -116,14 +129,18 @@ impl EncryptionFlags {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Demo(DemoArgs),
+    Init(InitArgs),
     Plan(Box<PlanArgs>),
     Pvt(Box<PvtArgs>),
     Compare(Box<CompareArgs>),
     Verify(VerifyArgs),
+    Diff(DiffArgs),
     Sample(SampleArgs),
     Track(TrackArgs),
     #[command(name = "command")]
     Operate(CommandArgs),
+    Watch(WatchArgs),
+    Replay(ReplayArgs),
     Explain(ExplainArgs),
 }
 
@@ -187,7 +204,7 @@ pub(crate) struct PlanArgs {
         conflicts_with_all = ["MoveFlags", "LimitFlags", "HigherLimitFlags", "LawFlags", "plot", "output"])]
     pub(crate) batch: Option<PathBuf>,
     /// Write a plot of position, velocity, acceleration and jerk over time.
-    #[arg(long, value_name = "FILE.svg", help_heading = "Output", value_parser = svg)]
+    #[arg(long, value_name = "FILE.svg|png", help_heading = "Output", value_parser = figure)]
     pub(crate) plot: Option<PathBuf>,
     /// Save the Plan as JSON, for verify, sample and track.
     #[arg(long, value_name = "FILE.json", help_heading = "Output")]
@@ -254,12 +271,15 @@ pub(crate) struct PlanSource {
 #[command(after_help = "\
 Examples:
   portamento demo
-  portamento demo --plot /tmp/demo.svg
+  portamento demo --plot demo.png --record demo.mcap
   portamento demo --virtual-time --json")]
 pub(crate) struct DemoArgs {
     /// Where to draw s, v, a and j, commanded against measured.
-    #[arg(long, value_name = "FILE.svg", default_value = "portamento-demo.svg", value_parser = svg)]
+    #[arg(long, value_name = "FILE.svg|png", default_value = "portamento-demo.svg", value_parser = figure)]
     pub(crate) plot: PathBuf,
+    /// Write down the run, for `portamento replay`, Foxglove and PlotJuggler; or its cycles, as a table.
+    #[arg(long, value_name = "FILE.mcap|csv", value_parser = recording)]
+    pub(crate) record: Option<PathBuf>,
     /// As fast as it computes, instead of one cycle a millisecond; operations may then come some cycles later.
     #[arg(long)]
     pub(crate) virtual_time: bool,
@@ -300,8 +320,11 @@ pub(crate) struct TrackArgs {
     /// Follow a plan too that promises no limits, as one through points joined by cubics or quintics.
     #[arg(long)]
     pub(crate) accept_unproved: bool,
+    /// Write down the run, for `portamento replay`, Foxglove and PlotJuggler; or its cycles, as a table.
+    #[arg(long, value_name = "FILE.mcap|csv", value_parser = recording)]
+    pub(crate) record: Option<PathBuf>,
     /// Draw s, v, a and j of the axis, commanded against measured; of the first axis, where there are several.
-    #[arg(long, value_name = "FILE.svg", value_parser = svg)]
+    #[arg(long, value_name = "FILE.svg|png", value_parser = figure)]
     pub(crate) plot: Option<PathBuf>,
 }
 

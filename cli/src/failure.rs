@@ -11,6 +11,9 @@ pub(crate) enum Failure {
     /// The judge does not pass the plan, or it is not what it says of itself. The command has said why.
     #[error("the plan does not pass, as said above: plan it again")]
     NotPassed,
+    /// Two plans differ. The command has said in what.
+    #[error("the plans differ, as said above")]
+    Differ,
     /// The answer could not be given.
     #[error("{path} cannot be written: {cause}: choose a place that can be, with room left", path = place(.path))]
     Unwritable { path: PathBuf, cause: io::Error },
@@ -56,7 +59,7 @@ impl Failure {
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
             Self::ReaderGone => 0,
-            Self::NotPassed | Self::Unwritable { .. } | Self::Internal(_) => 1,
+            Self::NotPassed | Self::Differ | Self::Unwritable { .. } | Self::Internal(_) => 1,
             Self::Unreadable { .. }
             | Self::NotAMessage { .. }
             | Self::NotAModel { .. }

@@ -6,6 +6,7 @@ mod args;
 mod command;
 mod failure;
 mod law;
+mod record;
 mod service;
 mod show;
 mod source;

@@ -1,8 +1,10 @@
 //! What is read: files and standard input, and the messages in them. Beside `show/json` the only place of this tool
 //! that names wire types.
 
+mod comments;
 mod points;
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Read};
 use std::path::Path;
@@ -104,7 +106,8 @@ impl Lines {
         let mut lines = Vec::new();
         while lines.len() < most {
             let Some(line) = self.line()? else { break };
-            let blank = matches!(&line.text, Text::Bytes(bytes) if bytes.trim_ascii().is_empty());
+            let is_blank = |bytes: &[u8]| bytes.is_empty() || bytes.starts_with(b"//");
+            let blank = matches!(&line.text, Text::Bytes(bytes) if is_blank(bytes.trim_ascii()));
             if !blank {
                 lines.push(line);
             }
@@ -162,7 +165,8 @@ impl Line {
             );
             self.refusal(Reason::MessageInvalid, message)
         })?;
-        read(text).map_err(|error| self.unreadable(text, &error, name))
+        let text = without_comments(text);
+        read(&text).map_err(|error| self.unreadable(&text, &error, name))
     }
 
     /// A number that JSON cannot carry has a reason of its own.
@@ -195,7 +199,13 @@ fn text(path: &Path) -> Result<String, Failure> {
         if path.as_os_str() == "-" { io::read_to_string(io::stdin()) } else { std::fs::read_to_string(path) };
     let text = read.map_err(Failure::unreadable(path))?;
     // Some editors begin a file with a mark of its encoding, which is no part of the text.
-    Ok(text.strip_prefix('\u{feff}').map_or_else(|| text.clone(), str::to_owned))
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    Ok(without_comments(text).into_owned())
+}
+
+/// The JSON in a text, with blanks for comments.
+pub(crate) fn without_comments(text: &str) -> Cow<'_, str> {
+    comments::without_comments(text)
 }
 
 fn not_a(expected: &'static str, path: &Path) -> impl FnOnce(JsonError) -> Failure {

@@ -10,6 +10,9 @@
 )]
 
 mod common;
+#[allow(dead_code, reason = "the planner's own tests take the rest")]
+#[path = "../../planner/tests/common/vectors.rs"]
+mod vectors;
 
 use std::io::Write as _;
 use std::process::{Command, Stdio};
@@ -439,56 +442,44 @@ fn has_a_reason(request: &Value, error: &Value) {
     assert!(expected, "{request}: {error}");
 }
 
-/// A record of the peer's: one axis from any state to any state, and how long the peer takes.
-#[derive(serde::Deserialize)]
-struct Record {
-    p0: f64,
-    v0: f64,
-    a0: f64,
-    pf: f64,
-    vf: f64,
-    af: f64,
-    vmax: f64,
-    vmin: f64,
-    amax: f64,
-    amin: f64,
-    jmax: f64,
-    duration: Option<f64>,
-}
-
-impl Record {
-    fn request(&self) -> String {
-        let Self { p0, v0, a0, pf, vf, af, vmax, vmin, amax, jmax, .. } = self;
-        json!({
-            "shortPathPolicy": "SHORT_PATH_POLICY_REVERSE",
-            "axes": [{
-                "axis": "x",
-                "kind": "AXIS_KIND_PRISMATIC",
-                "start": {"position": p0, "velocity": v0, "acceleration": a0},
-                "goal": {"position": pf, "velocity": vf, "acceleration": af},
-                "limits": {
-                    "maxVelocity": vmax, "maxVelocityReverse": -vmin, "maxAcceleration": amax, "maxJerk": jmax,
-                },
-            }],
-        })
-        .to_string()
-    }
+fn request_of(record: &vectors::Record) -> String {
+    let (start, goal) = (record.start(), record.goal());
+    let state = |state: planner::State| json!({"position": state.position, "velocity": state.velocity, "acceleration": state.acceleration});
+    json!({
+        "shortPathPolicy": "SHORT_PATH_POLICY_REVERSE",
+        "axes": [{
+            "axis": "x",
+            "kind": "AXIS_KIND_PRISMATIC",
+            "start": state(start),
+            "goal": state(goal),
+            "limits": {
+                "maxVelocity": record.vmax,
+                "maxVelocityReverse": -record.vmin,
+                "maxAcceleration": record.amax,
+                "maxJerk": record.jmax,
+            },
+        }],
+    })
+    .to_string()
 }
 
 /// 2286 questions with the durations of Ruckig 0.19.4: all that a limit on acceleration can ask, the same up and down.
 #[test]
 fn states_are_answered_no_later_than_by_the_peer() {
-    let text = include_str!("../../planner/tests/vectors/states.json");
-    let records: Vec<Record> = serde_json::from_str(text).unwrap();
-    let records: Vec<_> = records.into_iter().filter(|record| record.amax == -record.amin).collect();
-    let lines: Vec<_> = records.iter().map(Record::request).collect();
+    let records: Vec<_> =
+        vectors::records().into_iter().filter(|record| record.amax == -record.amin).collect();
+    let lines: Vec<_> = records.iter().map(request_of).collect();
     let answers = batch(&lines).with(0).lines();
     assert_eq!((answers.len(), records.len()), (2286, 2286));
     for (record, answer) in records.iter().zip(answers) {
         let plan = &answer["plan"];
-        assert_eq!(plan["certificate"]["passed"], json!(true), "{}: {answer}", record.request());
+        assert_eq!(plan["certificate"]["passed"], json!(true), "{}: {answer}", request_of(record));
         let ours = plan["duration"].as_f64().unwrap();
         let theirs = record.duration.unwrap_or(f64::INFINITY);
-        assert!(ours <= theirs * (1.0 + 1e-9), "{}: {ours} s, and the peer takes {theirs}", record.request());
+        assert!(
+            ours <= theirs * (1.0 + 1e-9),
+            "{}: {ours} s, and the peer takes {theirs}",
+            request_of(record)
+        );
     }
 }

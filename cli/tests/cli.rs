@@ -41,7 +41,10 @@ fn unversioned(text: &str) -> String {
 
 #[test]
 fn help_teaches() {
-    for command in ["", "demo", "plan", "pvt", "compare", "verify", "sample", "track", "command", "explain"] {
+    for command in [
+        "", "demo", "init", "plan", "pvt", "compare", "verify", "diff", "sample", "track", "command",
+        "watch", "replay", "explain",
+    ] {
         let args: Vec<&str> = [command, "--help"].into_iter().filter(|arg| !arg.is_empty()).collect();
         let help = portamento(&args, "").with(0).out;
         assert!(help.contains("Examples:"), "{help}");

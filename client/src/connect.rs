@@ -98,7 +98,7 @@ impl Connect {
     /// [`Error::Address`] where the address is none, or wants encryption and nobody vouches for servers;
     /// [`Error::Unreachable`] where nobody answers, or not who was expected.
     pub async fn to(&self, endpoint: &str) -> Result<Client, Error> {
-        Ok(Client::over(endpoint, self.clone(), self.channel(endpoint).await?))
+        Ok(Client::over(self, endpoint, self.channel(endpoint).await?))
     }
 
     /// A connection for services that this crate does not know.

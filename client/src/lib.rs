@@ -5,6 +5,7 @@
 //! - [`Setpoints`]: the cycles of a stream in order; a gap is an error, not a shrug
 //! - [`Buffer`]: the rule by which an axis accepts setpoints, for those who own the clock: no allocation, no waiting
 //! - [`Client::control`], [`control`]: operations on a stream that an axis has opened
+//! - [`Client::watch`]: streams as they run, for those who only look on
 //! - [`Link`]: the messages of a stream as they come, for those who own a buffer
 //!
 //! Domain types go in and come out; the wire stays inside.
@@ -22,6 +23,7 @@ mod revision;
 mod setpoints;
 mod starved;
 mod uplink;
+mod watch;
 
 use planner::{Certificate, Judged, JudgedPvt, Plan, PvtRequestSpec, RequestSpec};
 use prost::Message;
@@ -44,7 +46,8 @@ pub use link::{Link, Reports};
 pub use record::Record;
 pub use revision::Revision;
 pub use setpoints::Setpoints;
-pub use uplink::{Next, Uplink};
+pub use uplink::{Next, Servers, Uplink};
+pub use watch::Watching;
 
 /// A connection to one server.
 #[derive(Clone, Debug)]
@@ -70,10 +73,10 @@ impl Client {
     }
 
     /// Over a connection that is there.
-    pub(crate) fn over(endpoint: &str, connect: Connect, channel: Channel) -> Self {
+    pub(crate) fn over(connect: &Connect, endpoint: &str, channel: Channel) -> Self {
         let connected = Self {
             endpoint: endpoint.into(),
-            connect,
+            connect: connect.clone(),
             most_bytes: MAX_MESSAGE_BYTES,
             planner: PlannerServiceClient::with_interceptor(channel.clone(), Traced),
             setpoints: SetpointServiceClient::with_interceptor(channel, Traced),
@@ -95,16 +98,16 @@ impl Client {
         }
     }
 
-    /// How the server was connected to.
-    #[must_use]
-    pub fn connect_options(&self) -> &Connect {
-        &self.connect
-    }
-
     /// Where the server is, as it was given.
     #[must_use]
     pub fn endpoint(&self) -> &str {
         &self.endpoint
+    }
+
+    /// How the server was connected to.
+    #[must_use]
+    pub fn connected_by(&self) -> &Connect {
+        &self.connect
     }
 
     /// Plans a move. The certificate is computed here again, from the segments that came.

@@ -4,8 +4,8 @@ use planner::Setpoint;
 use proto::Rejected;
 use proto::stream::{Motion, Open, Operation, OperationResult, Refused, Source, StreamEvent};
 
-use crate::failover::{Change, DEFAULT_PATIENCE, Feed, News};
-use crate::{Buffer, Client, Connect, Error, Next, Playing, Standing, Uplink};
+use crate::failover::{Change, Feed, News};
+use crate::{Buffer, Client, Error, Next, Playing, Servers, Standing, Uplink};
 
 /// The cycles of a stream, in order, one after the other. Whoever asks for the next one is the clock.
 ///
@@ -33,29 +33,15 @@ impl Setpoints {
     /// motion that is under way already.
     pub async fn open(client: &Client, open: Open) -> Result<Self, Error> {
         let endpoints = vec![client.endpoint().to_owned()];
-        Self::open_by(client.connect_options(), endpoints, open, Duration::ZERO).await
+        let servers = Servers { endpoints, connect: client.connected_by().clone(), patience: Duration::ZERO };
+        Self::open_at(servers, open).await
     }
 
-    /// The same at one of `endpoints`, which are tried in order; where the one that serves is lost, another goes on.
-    ///
-    /// `patience` is how long one that goes on is looked for, once there is none: [`DEFAULT_PATIENCE`].
+    /// The same at one of `servers`, which are tried in order; where the one that serves is lost, another goes on.
     ///
     /// # Errors
-    /// That of the last endpoint that was tried.
-    pub async fn open_at(endpoints: Vec<String>, open: Open, patience: Duration) -> Result<Self, Error> {
-        Self::open_by(&Connect::new(), endpoints, open, patience).await
-    }
-
-    /// The same, with every connection made as `connect` says.
-    ///
-    /// # Errors
-    /// That of the last endpoint that was tried.
-    pub async fn open_by(
-        connect: &Connect,
-        endpoints: Vec<String>,
-        open: Open,
-        patience: Duration,
-    ) -> Result<Self, Error> {
+    /// That of the last server that was tried.
+    pub async fn open_at(servers: Servers, open: Open) -> Result<Self, Error> {
         let Open { epoch, lead_cycles, axis_guard, .. } = open;
         let Source::Plan(plan) = &open.source else {
             return Err(Error::Protocol("a stream is begun with a plan".into()));
@@ -64,8 +50,7 @@ impl Setpoints {
         let cycle = plan.plan().cycle_time();
         // At least one report a lead, or the credit would run out unseen.
         let batch_cycles = u64::from(open.batch_cycles.min(open.lead_cycles).max(1));
-        let mut uplink = Uplink::new(endpoints, open, cycle, patience);
-        uplink.connect_by(connect.clone());
+        let mut uplink = Uplink::new(servers, open, cycle);
         let opened = loop {
             match uplink.next().await {
                 Next::News(News::Opened(opened)) => break opened,
@@ -92,14 +77,6 @@ impl Setpoints {
             changes: Vec::new(),
             answers: Vec::new(),
         })
-    }
-
-    /// As [`open_at`](Self::open_at), with the patience that does for a process that is started again.
-    ///
-    /// # Errors
-    /// Those of [`open_at`](Self::open_at).
-    pub async fn open_anywhere(endpoints: Vec<String>, open: Open) -> Result<Self, Error> {
-        Self::open_at(endpoints, open, DEFAULT_PATIENCE).await
     }
 
     /// The motion that is adopted, with the closing stop of a plan that ends at speed.

@@ -8,7 +8,7 @@ use tokio::sync::mpsc;
 use tokio::task::{AbortHandle, JoinSet};
 use tokio::time::Instant;
 
-use crate::failover::{Action, Failover, Feed, News};
+use crate::failover::{Action, DEFAULT_PATIENCE, Failover, Feed, News};
 use crate::{Client, Connect, Error, Link, link};
 
 /// What comes next on a stream, whoever serves it.
@@ -21,6 +21,25 @@ pub enum Next {
     News(News),
 }
 
+/// The servers that may serve a stream.
+#[derive(Clone, Debug)]
+pub struct Servers {
+    /// Where they are, in the order in which they are asked.
+    pub endpoints: Vec<String>,
+    /// How they are connected to.
+    pub connect: Connect,
+    /// How long one that goes on is looked for, once there is none.
+    pub patience: Duration,
+}
+
+impl Servers {
+    /// Connected to without encryption, with the [patience](DEFAULT_PATIENCE) that does for a process that is started again.
+    #[must_use]
+    pub fn at(endpoints: Vec<String>) -> Self {
+        Self { endpoints, connect: Connect::new(), patience: DEFAULT_PATIENCE }
+    }
+}
+
 /// A stream over gRPC that outlives its servers: [`Failover`], and the connections that it asks for.
 ///
 /// Whoever owns the buffer takes what comes [next](Self::next) to it, and [reports](Self::report) how far the axis is.
@@ -28,8 +47,7 @@ pub enum Next {
 pub struct Uplink {
     core: Failover,
     begun: Instant,
-    endpoints: Vec<String>,
-    connect: Connect,
+    servers: Servers,
     /// Connections that are open and wait to be needed.
     warm: HashMap<usize, Client>,
     warming: JoinSet<(usize, Option<Client>)>,
@@ -59,16 +77,14 @@ enum Happened {
 }
 
 impl Uplink {
-    /// Begins to open a stream at one of `endpoints`, in their order. What comes of it is told [next](Self::next).
-    ///
-    /// `patience` is how long a server that goes on is looked for, once there is none.
+    /// Begins to open a stream at one of `servers`, in their order. What comes of it is told [next](Self::next).
     #[must_use]
-    pub fn new(endpoints: Vec<String>, open: Open, cycle: CycleTime, patience: Duration) -> Self {
+    pub fn new(servers: Servers, open: Open, cycle: CycleTime) -> Self {
+        let Servers { endpoints, patience, .. } = &servers;
         Self {
-            core: Failover::new(Duration::ZERO, open, cycle, endpoints.len(), patience),
+            core: Failover::new(Duration::ZERO, open, cycle, endpoints.len(), *patience),
             begun: Instant::now(),
-            endpoints,
-            connect: Connect::new(),
+            servers,
             warm: HashMap::new(),
             warming: JoinSet::new(),
             lines: HashMap::new(),
@@ -77,11 +93,6 @@ impl Uplink {
             ready: VecDeque::new(),
             unsent: None,
         }
-    }
-
-    /// Connects so from now on: with encryption, as every connection of the stream is to.
-    pub fn connect_by(&mut self, connect: Connect) {
-        self.connect = connect;
     }
 
     /// What was decided so far.
@@ -93,7 +104,7 @@ impl Uplink {
     /// The endpoint of that number, as it was given.
     #[must_use]
     pub fn endpoint(&self, number: usize) -> &str {
-        self.endpoints.get(number).map_or("", String::as_str)
+        self.servers.endpoints.get(number).map_or("", String::as_str)
     }
 
     /// The axis says how far it is; `heeded` counts the times that it took up [`Feed::Resuming`].
@@ -214,8 +225,8 @@ impl Uplink {
         let _ = outgoing.try_send(proto::request_to_wire(&FromAxis::Open(Box::new(open))));
         let address = self.endpoint(endpoint).to_owned();
         // Behind a single address there may be several servers: a connection of its own may find another.
-        let warm = if self.endpoints.len() > 1 { self.warm.get(&endpoint).cloned() } else { None };
-        let connect = self.connect.clone();
+        let warm = if self.servers.endpoints.len() > 1 { self.warm.get(&endpoint).cloned() } else { None };
+        let connect = self.servers.connect.clone();
         let opening = self.opening.spawn(TraceContext::carried(async move {
             let opened = async {
                 let client = match warm {
@@ -235,13 +246,13 @@ impl Uplink {
 
     /// Connects to the endpoint that will be asked next.
     fn warm_up(&mut self) {
-        let Some(serving) = self.core.endpoint().filter(|_| self.endpoints.len() > 1) else { return };
-        let next = (serving + 1) % self.endpoints.len();
+        let Some(serving) = self.core.endpoint().filter(|_| self.servers.endpoints.len() > 1) else { return };
+        let next = (serving + 1) % self.servers.endpoints.len();
         if self.warm.contains_key(&next) {
             return;
         }
         let address = self.endpoint(next).to_owned();
-        let connect = self.connect.clone();
+        let connect = self.servers.connect.clone();
         self.warming.spawn(async move { (next, connect.to(&address).await.ok()) });
     }
 

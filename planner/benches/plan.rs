@@ -106,14 +106,7 @@ fn families(criterion: &mut Criterion) {
     let mut random = Random(5);
     let problems: Vec<Problem> = problems(true, false)
         .into_iter()
-        .map(|problem| {
-            let mut spec = problem.limits().spec().clone();
-            let snap = spec.max_jerk * spec.max_jerk / spec.max_acceleration * random.decades(0.5, 8.0);
-            spec.max_snap = Some(snap);
-            spec.max_higher_derivatives = vec![snap * snap / spec.max_jerk * random.decades(0.5, 8.0)];
-            let limits = spec.try_into().unwrap();
-            Problem::new(problem.start(), problem.goal(), limits, ShortPathPolicy::Reject).unwrap()
-        })
+        .map(|problem| peer::with_higher_limits(&mut random, &problem))
         .collect();
     for (name, order) in [("plan/order_4", 4), ("plan/order_5", 5)] {
         let mut group = criterion.benchmark_group(name);
@@ -124,6 +117,16 @@ fn families(criterion: &mut Criterion) {
         let mut cycle = problems.iter().cycle();
         group.bench_function("ours, laid", |bencher| {
             bencher.iter(|| plan_polynomial(black_box(cycle.next().unwrap()), order).unwrap().to_profile());
+        });
+        let solved: Vec<_> =
+            problems.iter().map(|problem| plan_polynomial(problem, order).unwrap()).collect();
+        let (mut cycle, mut part) = (solved.iter().cycle(), 0.0);
+        group.bench_function("ours, one setpoint of a solved one", |bencher| {
+            bencher.iter(|| {
+                let planned = cycle.next().unwrap();
+                part = if part < 0.9 { part + 0.0618 } else { 0.0 };
+                planned.at(black_box(part * planned.duration()))
+            });
         });
         let inputs = peers(&mut group, &problems);
         group.finish();

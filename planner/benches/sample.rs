@@ -16,6 +16,7 @@ mod common;
 use std::hint::black_box;
 
 use common::peer::{self, Peer};
+use common::splices;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use planner::{Cursor, CycleTime, Limits, Problem, Profile, ShortPathPolicy, State, plan_move};
 use rsruckig::prelude::{DataArrayOrVec, Trajectory};
@@ -86,6 +87,18 @@ fn samples(criterion: &mut Criterion) {
             for (number, row) in (0..).zip(&mut column) {
                 *row = cursor.at(cycle.start_of(number)).words();
             }
+            black_box(&column);
+        });
+    });
+    let plan = splices::one_axis(&profile, problem.limits().clone(), cycle);
+    group.bench_function("ours, in a row", |bencher| {
+        bencher.iter(|| {
+            let mut rows = column.iter_mut();
+            black_box(&plan).sampler().columns(0, 0..CYCLES, |setpoint| {
+                if let Some(row) = rows.next() {
+                    *row = setpoint.words();
+                }
+            });
             black_box(&column);
         });
     });

@@ -20,42 +20,9 @@ use std::time::Instant;
 
 use common::peer::{self, Peer};
 use common::states::Question;
+use common::vectors;
 use criterion::{Criterion, criterion_group, criterion_main};
-use planner::{BoundsSpec, State, plan_transfer};
-use serde::Deserialize;
-
-#[derive(Deserialize)]
-struct Record {
-    kind: String,
-    p0: f64,
-    v0: f64,
-    a0: f64,
-    pf: f64,
-    vf: f64,
-    af: f64,
-    vmax: f64,
-    vmin: f64,
-    amax: f64,
-    amin: f64,
-    jmax: f64,
-    result: i32,
-}
-
-impl Record {
-    fn question(&self) -> Question {
-        Question {
-            start: State { position: self.p0, velocity: self.v0, acceleration: self.a0 },
-            goal: State { position: self.pf, velocity: self.vf, acceleration: self.af },
-            bounds: BoundsSpec {
-                min_velocity: self.vmin,
-                max_velocity: self.vmax,
-                min_acceleration: self.amin,
-                max_acceleration: self.amax,
-                max_jerk: self.jmax,
-            },
-        }
-    }
-}
+use planner::plan_transfer;
 
 fn compare(criterion: &mut Criterion, name: &str, questions: &[Question]) {
     let ours: Vec<_> = questions.iter().map(Question::transfer).collect();
@@ -119,10 +86,10 @@ fn timed(work: impl FnOnce()) -> f64 {
 }
 
 fn states(criterion: &mut Criterion) {
-    let records: Vec<Record> = serde_json::from_str(include_str!("../tests/vectors/states.json")).unwrap();
+    let records = vectors::records();
     let of = |kind: Option<&str>| -> Vec<Question> {
         let solved = records.iter().filter(|record| record.result == 0);
-        solved.filter(|record| kind.is_none_or(|kind| record.kind == kind)).map(Record::question).collect()
+        solved.filter(|record| kind.is_none_or(|kind| record.kind == kind)).map(Question::from).collect()
     };
     for kind in ["rest", "v0vf", "full", "asym_full", "retarget", "outside"] {
         compare(criterion, &format!("states/{kind}"), &of(Some(kind)));

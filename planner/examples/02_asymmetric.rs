@@ -11,7 +11,7 @@
 
 mod chart;
 
-use chart::{Chart, Panel};
+use chart::{Chart, NARROW, Panel};
 use planner::{Limits, LimitsSpec, Move, Problem, ShortPathPolicy, State, plan_move};
 
 const ACCELERATION: f64 = 100e3;
@@ -62,6 +62,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "{VELOCITY} pulses/s, {ACCELERATION} up and {DECELERATION} pulses/s² down, {JERK} pulses/s³"
         ),
         columns: SIMULATIONS.len(),
+        panel: NARROW,
         panels: rows.into_iter().flatten().collect(),
     };
     Ok(chart.write("asymmetric.svg")?)

@@ -10,7 +10,7 @@
 
 mod chart;
 
-use chart::{Chart, Panel};
+use chart::{Chart, NARROW, Panel};
 use planner::generator::{AxisLimits, Generator};
 use planner::{CycleTime, Limits, Problem, ShortPathPolicy, State, plan_move};
 
@@ -36,6 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         subtitle: "Velocity, acceleration and jerk as parts of their limits; the last is 100 m/s³ everywhere"
             .into(),
         columns: 3,
+        panel: NARROW,
         panels,
     }
     .write("six_cases.svg")?;
@@ -48,6 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "50 mm in cycles of a millisecond: each setpoint added to the one before it, and each by itself"
                 .into(),
         columns: 2,
+        panel: NARROW,
         panels: panels.collect::<Result<_, _>>()?,
     }
     .write("incremental.svg")?;

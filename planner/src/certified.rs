@@ -9,7 +9,6 @@ use crate::{Alone, InvalidFields, Plan, PvtPointReport, PvtRequest, Request, Wor
 pub struct Judged {
     plan: Plan,
     certificate: Certificate,
-    explanation: Explanation,
 }
 
 impl Judged {
@@ -31,8 +30,7 @@ impl Judged {
     #[must_use]
     pub fn new_by(plan: Plan, workers: &impl Workers) -> Self {
         let certificate = certify_by(&plan, workers);
-        let explanation = explain(&plan);
-        Self { plan, certificate, explanation }
+        Self { plan, certificate }
     }
 
     /// The plan.
@@ -47,10 +45,10 @@ impl Judged {
         &self.certificate
     }
 
-    /// Which limits hold the motion back.
+    /// Which limits hold the motion back: told when it is asked for, as a motion under way is spliced more often than it is explained.
     #[must_use]
-    pub fn explanation(&self) -> &Explanation {
-        &self.explanation
+    pub fn explanation(&self) -> Explanation {
+        explain(&self.plan)
     }
 
     /// The plan as one that may be executed.

@@ -49,7 +49,13 @@ impl CycleTime {
     #[must_use]
     #[inline]
     pub fn start_of(self, cycle: u64) -> f64 {
-        cycle as f64 * self.ns as f64 / 1e9
+        self.after(cycle as f64)
+    }
+
+    /// When so many cycles are over \[s\], a whole number.
+    #[inline]
+    pub(crate) fn after(self, cycles: f64) -> f64 {
+        cycles * self.ns as f64 / 1e9
     }
 
     /// When `cycle` of a motion that ends with cycle `cycle_count` is due \[s\]: from that on it has ended, though the cycle may be due

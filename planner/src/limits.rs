@@ -207,8 +207,14 @@ impl TryFrom<LimitsSpec> for Limits {
 
 /// What is wrong with a number that must be finite; nothing if it is.
 pub(crate) fn not_finite(given: f64) -> Option<Why> {
-    let fits = given.is_finite() && given.abs() <= GREATEST_MAGNITUDE;
-    (!fits).then_some(Why::NotFinite { given })
+    (!is_number(given)).then_some(Why::NotFinite { given })
+}
+
+/// Is it finite, and no larger than the planner takes?
+#[inline]
+pub(crate) fn is_number(given: f64) -> bool {
+    // False for NaN.
+    given.abs() <= GREATEST_MAGNITUDE
 }
 
 /// What is wrong with a number that must be finite and positive; nothing if it is.

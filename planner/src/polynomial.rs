@@ -13,13 +13,13 @@
 use arrayvec::ArrayVec;
 
 use crate::classify::Classification;
-use crate::derivatives::RECIPROCAL;
+use crate::derivatives::{RECIPROCAL, setpoint};
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::{cbrt, least, sqrt};
 use crate::roots::fall_to_root;
 use crate::segments::Pieces;
 use crate::solve::{Adjustment, feed_rate_above_limit};
-use crate::{Limits, MAX_ORDER, Problem, Profile, State};
+use crate::{Limits, MAX_ORDER, Problem, Profile, Setpoint, State};
 
 /// Of a length of time \[1\], for each order: a hold shorter than this is rounding. The recursion is worth about one ε a
 /// level.
@@ -98,6 +98,31 @@ impl PolynomialMove {
     #[must_use]
     pub fn classification(&self) -> Classification {
         self.classification
+    }
+
+    /// The setpoint at time `t` \[s\], with the bits of [`Profile::at`] and without laying the pieces: nothing is taken from the heap.
+    ///
+    /// It walks from the nearer end to the piece that `t` lies in, so whoever asks for many setpoints lays the pieces once.
+    ///
+    /// ```
+    /// # use planner::{LimitsSpec, Problem, ShortPathPolicy, State, plan_polynomial};
+    /// # let limits = LimitsSpec { max_velocity: 60.0, max_acceleration: 600.0, max_jerk: 12e3, max_snap: Some(480e3), ..LimitsSpec::default() };
+    /// # let problem = Problem::new(State::at_rest(0.0), State::at_rest(50.0), limits.try_into()?, ShortPathPolicy::Reject)?;
+    /// let planned = plan_polynomial(&problem, 4)?;
+    /// assert_eq!(planned.at(0.5), planned.to_profile().at(0.5));
+    /// # Ok::<(), planner::InvalidFields>(())
+    /// ```
+    #[must_use]
+    pub fn at(&self, t: f64) -> Setpoint {
+        match self.order {
+            2 => self.setpoint::<2, 3>(t),
+            3 => self.setpoint::<3, 4>(t),
+            4 => self.setpoint::<4, 5>(t),
+            5 => self.setpoint::<5, 6>(t),
+            6 => self.setpoint::<6, 7>(t),
+            7 => self.setpoint::<7, 8>(t),
+            _ => self.setpoint::<MAX_ORDER, { MAX_ORDER + 1 }>(t),
+        }
     }
 
     /// The motion as a profile: at most 2ⁿ − 1 pieces, fewer where derivatives do not reach their limits.
@@ -431,6 +456,27 @@ impl PolynomialMove {
         // The derivatives where each piece before the cruise ends, and which of them it holds.
         let mut ends = ArrayVec::<(usize, [f64; M]), MAX_HALF>::new();
         let (from, to) = (self.start.position, self.reached.position);
+        self.climb::<N, M>(|_, p, start, end| {
+            push(&mut pieces, self.holds[p - 1], p, from, start);
+            if p > 1 {
+                ends.push((p, *end));
+            }
+            true
+        });
+        for (p, back) in ends.iter_mut().rev() {
+            mirror(back);
+            push(&mut pieces, self.holds[*p - 1], *p, to, back);
+        }
+        pieces
+    }
+
+    /// Walks over the pieces that last, up to the cruise, as long as it is told to go on: the number of each in the template, the derivative
+    /// that it holds, and the derivatives where it starts and ends, the position counted from where the motion starts.
+    #[inline]
+    fn climb<const N: usize, const M: usize>(
+        &self,
+        mut see: impl FnMut(usize, usize, &[f64; M], &[f64; M]) -> bool,
+    ) {
         // Signed peaks, and of each hold the powers of its length over the factorials.
         let mut peaks = [0.0; M];
         for (signed, peak) in peaks.iter_mut().zip(&self.peaks) {
@@ -450,9 +496,9 @@ impl PolynomialMove {
         for k in 1..=1usize << (N - 1) {
             let p = N - k.trailing_zeros() as usize;
             now[N] = if p == N { turned(k >> 1, peaks[N]) } else { 0.0 };
-            let duration = self.holds[p - 1];
-            if duration > 0.0 {
-                push(&mut pieces, duration, p, from, &now);
+            let start = now;
+            let lasts = self.holds[p - 1] > 0.0;
+            if lasts {
                 // What is above p is zero, and adds nothing.
                 advance(&mut now, &powers[p]);
             }
@@ -461,15 +507,62 @@ impl PolynomialMove {
                 now[N - raised + 1..N].fill(0.0);
                 now[N - raised] = turned(k >> raised, peaks[N - raised]);
             }
-            if duration > 0.0 && p > 1 {
-                ends.push((p, now));
+            if lasts && !see(k, p, &start, &now) {
+                return;
             }
         }
-        for (p, back) in ends.iter_mut().rev() {
-            back.iter_mut().step_by(2).for_each(|even| *even = 0.0 - *even);
-            push(&mut pieces, self.holds[*p - 1], *p, to, back);
+    }
+
+    /// As [`Self::at`].
+    fn setpoint<const N: usize, const M: usize>(&self, t: f64) -> Setpoint {
+        if t < 0.0 {
+            // An acceleration that jumps has done so before the first piece.
+            return Setpoint::held(self.setpoint::<N, M>(0.0).state);
         }
-        pieces
+        // Which piece: the running sum is that of the profile, and so are its bits. Also false for NaN.
+        let (mut begin, mut found) = (0.0, None);
+        for k in 1..1usize << N {
+            let p = N - k.trailing_zeros() as usize;
+            let next = begin + self.holds[p - 1];
+            if t < next {
+                found = Some((k, p));
+                break;
+            }
+            begin = next;
+        }
+        let Some((k, p)) = found else { return Setpoint::held(self.reached) };
+        let back = k > 1 << (N - 1);
+        let wanted = if back { (1 << N) - k } else { k };
+        let mut piece = [0.0; M];
+        self.climb::<N, M>(|k, _, start, end| {
+            if k == wanted {
+                piece = if back { *end } else { *start };
+            }
+            k < wanted
+        });
+        let origin = if back { self.reached.position } else { self.start.position };
+        if back {
+            mirror(&mut piece);
+        }
+        evaluate(p, origin, &piece, t - begin)
+    }
+}
+
+/// Seen from the goal, run backwards.
+#[inline]
+fn mirror<const M: usize>(derivatives: &mut [f64; M]) {
+    derivatives.iter_mut().step_by(2).for_each(|even| *even = 0.0 - *even);
+}
+
+/// The setpoint of the piece that [`push`] lays, `t` seconds after its start.
+#[inline]
+fn evaluate<const M: usize>(p: usize, origin: f64, now: &[f64; M], t: f64) -> Setpoint {
+    let [position, velocity, acceleration] = [0, 1, 2].map(|order| now[order]);
+    let start = State { position: origin + position, velocity, acceleration };
+    match now.get(3..=p).unwrap_or_default() {
+        [] => Setpoint { state: start.after(0.0, t), jerk: 0.0 },
+        [jerk] => Setpoint { state: start.after(*jerk, t), jerk: *jerk },
+        higher => setpoint(higher, &start, t),
     }
 }
 

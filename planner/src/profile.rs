@@ -45,6 +45,24 @@ impl Profile {
         self.pieces.segment(index)
     }
 
+    /// Duration, start and jerk of piece number `index`, which there is, if its jerk is constant.
+    #[inline]
+    pub(crate) fn constant_jerk(&self, index: usize) -> Option<(f64, State, f64)> {
+        self.pieces.constant_jerk(index)
+    }
+
+    /// How long piece number `index` lasts \[s\], if there is one.
+    #[inline]
+    pub(crate) fn piece_duration(&self, index: usize) -> Option<f64> {
+        self.pieces.duration(index)
+    }
+
+    /// As [`Segment::at`] of piece number `index`, which there is.
+    #[inline]
+    pub(crate) fn piece_at(&self, index: usize, t: f64) -> Setpoint {
+        self.pieces.at(index, t)
+    }
+
     /// The setpoints with which piece number `index` begins and ends; there is that piece.
     #[inline]
     pub(crate) fn setpoints_at_ends(&self, index: usize) -> [Setpoint; 2] {
@@ -170,9 +188,16 @@ impl Profile {
 
 /// Makes the running sum of `durations` come to `total`, of which it is some roundings short or long, to the last bit or two, by a
 /// change of the longest, where it is worth least.
-pub(crate) fn add_up(durations: &mut [f64], total: f64) {
-    let sum = durations.iter().fold(0.0, |sum, duration| sum + duration);
-    if let Some(longest) = durations.iter_mut().max_by(|a, b| a.total_cmp(b)) {
+pub(crate) fn add_up<'a>(durations: impl IntoIterator<Item = &'a mut f64>, total: f64) {
+    let (mut sum, mut longest) = (0.0, None::<&mut f64>);
+    for duration in durations {
+        sum += *duration;
+        // The last of several that are as long.
+        if longest.as_ref().is_none_or(|longest| **longest <= *duration) {
+            longest = Some(duration);
+        }
+    }
+    if let Some(longest) = longest {
         *longest += total - sum;
     }
 }
@@ -215,5 +240,19 @@ impl<'a> Cursor<'a> {
             }
         }
         pieces.at(self.index, t - begins[self.index])
+    }
+
+    /// When it begins \[s\], where, and the jerk of the piece of constant jerk that both times lie in, if they lie in one.
+    #[inline]
+    pub(crate) fn constant_jerk(&mut self, from: f64, to: f64) -> Option<(f64, State, f64)> {
+        let Profile { pieces, begins, duration, .. } = self.profile;
+        let lies = |index: usize| {
+            let end = begins.get(index + 1).unwrap_or(duration);
+            begins.get(index).is_some_and(|begin| *begin <= from && to < *end)
+        };
+        let index = [self.index, self.index + 1].into_iter().find(|&index| lies(index))?;
+        let (_, start, jerk) = pieces.constant_jerk(index)?;
+        self.index = index;
+        Some((begins[index], start, jerk))
     }
 }

@@ -68,6 +68,25 @@ impl Setpoint {
     }
 }
 
+/// As [`Segment::turning_points`] of a constant jerk, of which there are few: both ends, and the zeros of acceleration and velocity.
+#[inline]
+pub(crate) fn turning_points_of_jerk<const ROOM: usize>(
+    start: &State,
+    jerk: f64,
+    duration: f64,
+) -> ArrayVec<f64, ROOM> {
+    const { assert!(ROOM >= 5) };
+    let State { velocity, acceleration, .. } = *start;
+    let inside = |t: &f64| *t > 0.0 && *t < duration;
+    let mut times = ArrayVec::new();
+    times.push(0.0);
+    times.extend(linear(jerk, acceleration).into_iter().filter(inside));
+    times.extend(quadratic(0.5 * jerk, acceleration, velocity).into_iter().filter(inside));
+    times.push(duration);
+    times.sort_unstable_by(f64::total_cmp);
+    times
+}
+
 impl Law {
     /// The same law seen from the other side: every sign turned.
     #[must_use]
@@ -146,15 +165,15 @@ impl Segment {
     /// the last place of the duration.
     #[must_use]
     pub fn turning_points(&self) -> ArrayVec<f64, MAX_TURNING_POINTS> {
+        if let Law::ConstantJerk(jerk) = self.law {
+            return turning_points_of_jerk(&self.start, jerk, self.duration);
+        }
         let mut times = ArrayVec::new();
         times.push(0.0);
         let inside = |t: &f64| *t > 0.0 && *t < self.duration;
         match &self.law {
-            Law::ConstantJerk(jerk) => {
-                let State { velocity, acceleration, .. } = self.start;
-                times.extend(linear(*jerk, acceleration).into_iter().filter(inside));
-                times.extend(quadratic(0.5 * jerk, acceleration, velocity).into_iter().filter(inside));
-            }
+            // Its own, above.
+            Law::ConstantJerk(_) => {}
             Law::Polynomial(derivatives) => {
                 let mut zeros = ArrayVec::<f64, MAX_DEGREE>::new();
                 for order in (1..derivatives.order()).rev() {

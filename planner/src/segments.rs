@@ -83,6 +83,16 @@ impl Pieces {
         Segment { duration, start, law }
     }
 
+    /// Duration, start and jerk of segment number `index`, which there is, if its jerk is constant.
+    #[inline]
+    pub(crate) fn constant_jerk(&self, index: usize) -> Option<(f64, State, f64)> {
+        let Kept { duration, start, law } = &self.list[index];
+        match law {
+            KeptLaw::ConstantJerk(jerk) => Some((*duration, *start, *jerk)),
+            KeptLaw::CosineJerk { .. } | KeptLaw::Polynomial { .. } => None,
+        }
+    }
+
     // Apart, so that a constant jerk does not clear the room of thirteen derivatives.
     #[inline(never)]
     fn polynomial(&self, first: usize, count: u8) -> Derivatives {

@@ -3,10 +3,13 @@
 #![allow(unsafe_code, reason = "an allocator is unsafe to write; this one counts and passes on")]
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
+mod common;
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
 
+use common::splices;
 use planner::{
     AxisKind, AxisMoveSpec, AxisProblem, AxisTransfer, Bounds, Cursor, Family, Limits, LimitsSpec, Problem,
     PvtPlanner, PvtPolicy, PvtTarget, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Timing,
@@ -143,7 +146,8 @@ fn a_smoother_plan_allocates_nothing() {
         let count = allocations(|| {
             black_box(plan_trigonometric(black_box(&problem))).unwrap();
             for order in 2..=8 {
-                black_box(plan_polynomial(black_box(&problem), order)).unwrap();
+                let planned = plan_polynomial(black_box(&problem), order).unwrap();
+                black_box(planned.at(0.3 * planned.duration()));
             }
         });
         assert_eq!(count, 0, "over {length}");
@@ -208,4 +212,20 @@ fn a_command_of_position_velocity_and_time_allocates_nothing() {
         });
         assert_eq!(count, 0, "{policy:?}");
     }
+}
+
+/// A splice makes a plan, which is kept: so many pieces of memory for each kind, operation by operation (hold, resume, override,
+/// retarget), and no more.
+#[test]
+fn a_splice_allocates_what_it_keeps() {
+    let counts = splices::motions().map(|(_, motion)| {
+        splices::operations(&motion).map(|(_, motion, operation)| {
+            // Each is given back, too.
+            allocations(|| drop(black_box(motion.splice(splices::AT + 1, &operation).unwrap()))) / 2
+        })
+    });
+    // One axis; six each alone, on a line, and arriving together.
+    let most = [[16, 17, 17, 18], [41, 42, 42, 48], [91, 48, 93, 141], [58, 54, 58, 55]];
+    let within = counts.iter().flatten().zip(most.iter().flatten()).all(|(count, most)| count <= most);
+    assert!(within, "{counts:?}, at most {most:?}");
 }

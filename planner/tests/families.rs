@@ -211,6 +211,36 @@ proptest! {
         prop_assert!((cosine - halved).abs() <= DURATION * halved, "{cosine} {halved}");
     }
 
+    /// What is solved is evaluated to the bits of what is laid: at any time, where each piece begins, beside it, and outside.
+    #[test]
+    fn a_solved_polynomial_has_the_bits_of_a_laid_one(case in any_case(), parts in [-0.1..1.1f64, 0.0..1.0, 0.0..1.0]) {
+        if case.family == Family::Polynomial {
+            let problem = polynomial_problem(0.25, 0.25 + case.distance, case.limited());
+            let planned = plan_polynomial(&problem, case.order).unwrap();
+            let profile = planned.to_profile();
+            let begins = profile.timed_segments().flat_map(|(begin, _)| [begin, begin.next_down(), begin.next_up()]);
+            let within = parts.map(|part| part * profile.duration());
+            for t in begins.chain(within).chain([profile.duration(), f64::INFINITY, f64::NAN, -1.0]) {
+                let (solved, laid) = (planned.at(t).words(), profile.at(t).words());
+                prop_assert_eq!(solved.map(f64::to_bits), laid.map(f64::to_bits), "{:?} {:?} at {}", solved, laid, t);
+            }
+        }
+    }
+
+    /// Cycles that are read in a row have the bits of each by itself, wherever the row begins, and beyond the end.
+    #[test]
+    fn columns_have_the_bits_of_single_cycles(case in any_case(), part in 0.0..1.0f64) {
+        let plan = case.plan();
+        let first = (part * plan.cycle_count() as f64) as u64;
+        let cycles = first..(first + 300).min(plan.cycle_count() + 5);
+        let mut columns = Vec::new();
+        plan.sampler().columns(0, cycles.clone(), |setpoint| columns.push(setpoint.words().map(f64::to_bits)));
+        let each: Vec<_> = cycles
+            .map(|cycle| plan.sampler().at(cycle).next().unwrap().words().map(f64::to_bits))
+            .collect();
+        prop_assert_eq!(columns, each);
+    }
+
     /// No length of time can be taken from one hold and given to none: each is at the distance or at a limit.
     #[test]
     fn a_limit_or_the_distance_binds_every_length(case in any_case()) {

@@ -9,47 +9,19 @@
     reason = "a test may fail by panicking, and what is the same number is"
 )]
 
+mod common;
+
+use common::vectors;
 use planner::{
     AxisKind, AxisMoveSpec, Certificate, Classification, CycleTime, Family, InvalidFields, Judged,
     LimitCheck, Limits, LimitsSpec, Method, Plan, Profile, Quantity, Request, RequestSpec, ShortPathPolicy,
     State, Synchronization, Violation, certify, certify_against,
 };
-use serde::Deserialize;
 
 /// Of a duration [1]: how much longer than the peer's ours may be.
 const SLACK: f64 = 1e-9;
 /// Of the scale of a motion [1]: how far it may end from its goal, integrated from its last piece.
 const END: f64 = 1e-12;
-
-#[derive(Deserialize)]
-struct Record {
-    kind: String,
-    p0: f64,
-    v0: f64,
-    a0: f64,
-    pf: f64,
-    vf: f64,
-    af: f64,
-    vmax: f64,
-    vmin: f64,
-    amax: f64,
-    amin: f64,
-    jmax: f64,
-    duration: Option<f64>,
-}
-
-#[derive(Deserialize)]
-struct Failure {
-    p0: Vec<f64>,
-    v0: Vec<f64>,
-    a0: Vec<f64>,
-    pf: Vec<f64>,
-    vf: Vec<f64>,
-    af: Vec<f64>,
-    vmax: Vec<f64>,
-    amax: Vec<f64>,
-    jmax: Vec<f64>,
-}
 
 fn state(position: f64, velocity: f64, acceleration: f64) -> State {
     State { position, velocity, acceleration }
@@ -111,23 +83,22 @@ fn residual(profile: &Profile, goal: State, jerk: f64) -> f64 {
 }
 
 /// Bounds with signs as limits of speeding up and slowing down have them: where up and down differ, the lower of both holds.
-fn limits_of(record: &Record) -> LimitsSpec {
+fn limits_of(record: &vectors::Record) -> LimitsSpec {
     let hardest = record.amax.min(-record.amin);
     LimitsSpec { max_velocity_reverse: Some(-record.vmin), ..limits(record.vmax, hardest, record.jmax) }
 }
 
 #[test]
 fn no_plan_is_longer_than_the_peers() {
-    let records: Vec<Record> = serde_json::from_str(include_str!("vectors/states.json")).unwrap();
+    let records = vectors::records();
     let mut compared = 0;
     for (index, record) in records.iter().enumerate() {
-        let Record { p0, v0, a0, pf, vf, af, .. } = *record;
-        let (start, goal, limits) = (state(p0, v0, a0), state(pf, vf, af), limits_of(record));
+        let (start, goal, limits) = (record.start(), record.goal(), limits_of(record));
         let name = format!("{index}, {}", record.kind);
         let alike = record.amax == -record.amin;
         if !alike && answered(spec(start, goal, limits.clone())).is_err() {
             // A goal inside the higher of both bounds alone.
-            assert!(af.abs() > limits.max_acceleration, "{name}");
+            assert!(goal.acceleration.abs() > limits.max_acceleration, "{name}");
             continue;
         }
         let jerk = limits.max_jerk;
@@ -146,20 +117,13 @@ fn no_plan_is_longer_than_the_peers() {
 
 #[test]
 fn what_the_peer_refuses_is_planned() {
-    let failures: Vec<Failure> = serde_json::from_str(include_str!("vectors/peer_failures.json")).unwrap();
     let mut answered = 0;
-    for (index, failure) in failures.iter().enumerate() {
-        for axis in 0..failure.p0.len() {
-            let Failure { p0, v0, a0, pf, vf, af, vmax, amax, jmax } = failure;
-            let start = state(p0[axis], v0[axis], a0[axis]);
-            let goal = state(pf[axis], vf[axis], af[axis]);
-            let judged = planned(
-                &format!("{index}, axis {axis}"),
-                start,
-                goal,
-                limits(vmax[axis], amax[axis], jmax[axis]),
-            );
-            assert!(residual(&judged.plan().axes()[0].profile, goal, jmax[axis]) <= END);
+    for (index, failure) in vectors::failures().iter().enumerate() {
+        for axis in 0..failure.axes() {
+            let (start, goal, jerk) = (failure.start(axis), failure.goal(axis), failure.jmax[axis]);
+            let limits = limits(failure.vmax[axis], failure.amax[axis], jerk);
+            let judged = planned(&format!("{index}, axis {axis}"), start, goal, limits);
+            assert!(residual(&judged.plan().axes()[0].profile, goal, jerk) <= END);
             answered += 1;
         }
     }

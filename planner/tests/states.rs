@@ -27,8 +27,8 @@ use std::collections::BTreeMap;
 use common::Random;
 use common::peer::{self, Peer};
 use common::states::{self, Kind, Question};
-use planner::{Bounds, BoundsSpec, State, Transfer, Transit, plan_transfer, transfer_violations};
-use serde::Deserialize;
+use common::vectors;
+use planner::{Bounds, State, Transfer, Transit, plan_transfer, transfer_violations};
 
 /// Of a duration [1]: how much longer than the peer's ours may be.
 const SLACK: f64 = 1e-9;
@@ -37,39 +37,6 @@ const END: f64 = 1e-12;
 
 /// A time in which nothing moves [s], or as good as nothing: there the peer's answer is its rounding.
 const NOTHING: f64 = 1e-12;
-
-#[derive(Deserialize)]
-struct Record {
-    kind: String,
-    p0: f64,
-    v0: f64,
-    a0: f64,
-    pf: f64,
-    vf: f64,
-    af: f64,
-    vmax: f64,
-    vmin: f64,
-    amax: f64,
-    amin: f64,
-    jmax: f64,
-    /// 0, or why the peer refused.
-    result: i32,
-    duration: Option<f64>,
-}
-
-#[derive(Deserialize)]
-struct Failure {
-    kind: u32,
-    p0: Vec<f64>,
-    v0: Vec<f64>,
-    a0: Vec<f64>,
-    pf: Vec<f64>,
-    vf: Vec<f64>,
-    af: Vec<f64>,
-    vmax: Vec<f64>,
-    amax: Vec<f64>,
-    jmax: Vec<f64>,
-}
 
 /// Plans, and holds the answer against the judge and against what a double can do.
 #[track_caller]
@@ -84,20 +51,12 @@ fn planned(name: &str, start: State, goal: State, bounds: Bounds) -> Transit {
 
 #[test]
 fn never_longer_than_the_records() {
-    let records: Vec<Record> = serde_json::from_str(include_str!("vectors/states.json")).unwrap();
+    let records = vectors::records();
     let mut tally: BTreeMap<&str, (u32, u32, u32, f64)> = BTreeMap::new();
     for (index, record) in records.iter().enumerate() {
         let name = format!("record {index} ({})", record.kind);
-        let start = State { position: record.p0, velocity: record.v0, acceleration: record.a0 };
-        let goal = State { position: record.pf, velocity: record.vf, acceleration: record.af };
-        let bounds = BoundsSpec {
-            min_velocity: record.vmin,
-            max_velocity: record.vmax,
-            min_acceleration: record.amin,
-            max_acceleration: record.amax,
-            max_jerk: record.jmax,
-        };
-        let ours = planned(&name, start, goal, bounds.try_into().unwrap()).duration();
+        let bounds = record.bounds().try_into().unwrap();
+        let ours = planned(&name, record.start(), record.goal(), bounds).duration();
         let (asked, refused, slower, slowest) = tally.entry(&record.kind).or_default();
         *asked += 1;
         match record.duration.filter(|_| record.result == 0) {
@@ -120,20 +79,12 @@ fn never_longer_than_the_records() {
 
 #[test]
 fn what_the_peer_refuses() {
-    let failures: Vec<Failure> = serde_json::from_str(include_str!("vectors/peer_failures.json")).unwrap();
-    for (index, failure) in failures.iter().enumerate() {
-        for axis in 0..failure.p0.len() {
+    for (index, failure) in vectors::failures().iter().enumerate() {
+        for axis in 0..failure.axes() {
             let name = format!("failure {index}, axis {axis} (kind {})", failure.kind);
-            let state = |p: &[f64], v: &[f64], a: &[f64]| State {
-                position: p[axis],
-                velocity: v[axis],
-                acceleration: a[axis],
-            };
-            let start = state(&failure.p0, &failure.v0, &failure.a0);
-            let goal = state(&failure.pf, &failure.vf, &failure.af);
             let bounds =
                 Bounds::symmetric(failure.vmax[axis], failure.amax[axis], failure.jmax[axis]).unwrap();
-            planned(&name, start, goal, bounds);
+            planned(&name, failure.start(axis), failure.goal(axis), bounds);
         }
     }
 }

@@ -6,6 +6,7 @@
 mod common;
 
 use common::Random;
+use common::states::{Kind, question};
 use planner::{
     BoundsSpec, Limits, LimitsSpec, State, Transfer, plan_between, plan_transfer, transfer_violations,
     violations,
@@ -85,5 +86,23 @@ fn last_flanks_are_whole() {
             ..LimitsSpec::default()
         };
         check(place(start), place(goal), &limits.try_into().unwrap());
+    }
+}
+
+/// The next state of a motion under way, and a goal that is moved off its way by up to a billionth: next to nothing is to be done
+/// beside the last flank, and each of it is found.
+#[test]
+fn beside_the_way_of_another_motion_all_are_answered() {
+    let mut random = Random(100);
+    for _ in 0..100_000 {
+        let mut asked = question(&mut random, Kind::Underway);
+        let way = asked.goal.position - asked.start.position;
+        asked.goal.position += way * random.between(-1.0, 1.0) * random.decades(1e-12, 1e-9);
+        let planned =
+            plan_transfer(&asked.transfer()).unwrap_or_else(|refusal| panic!("{refusal}: {asked:?}"));
+        let objections = transfer_violations(&planned.to_profile(), &asked.bounds(), asked.goal);
+        assert_eq!(objections, [], "{asked:?}: {planned:?}");
+        let off = common::transit::residual(&planned, asked.bounds.max_jerk);
+        assert!(off <= END, "{off:e} of its scale apart: {asked:?}: {planned:?}");
     }
 }

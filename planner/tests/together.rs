@@ -210,19 +210,6 @@ struct Tally {
     longer: f64,
     /// Where another than the slowest axis was critical.
     blocked: u32,
-    /// Refused by us: see [`MOST_UNANSWERED`].
-    unanswered: u32,
-}
-
-/// Of fifty thousand, how many we refuse for want of digits, which can only become fewer: a goal that is moved by 1e-9 of the way off a
-/// motion that ends on its last flank, where the way hangs on the root of a rounding of the velocity.
-const MOST_UNANSWERED: u32 = 4;
-
-/// Is it one of those?
-fn asks_for_more_digits(asked: &[Question]) -> bool {
-    let mut transits = Vec::new();
-    let answer = together(&transfers(asked), Synchronization::Time, Timing::default(), &mut transits);
-    answer.is_err_and(|refusal| refusal.to_string().contains("by more digits than numbers have"))
 }
 
 fn compare(count: u32, seed: u64) {
@@ -232,10 +219,6 @@ fn compare(count: u32, seed: u64) {
         for _ in 0..count / Kind::ALL.len() as u32 {
             let axes = 2 + random.bits() as usize % (SEVEN - 1);
             let asked = questions(&mut random, kind, axes);
-            if asks_for_more_digits(&asked) {
-                tally.unanswered += 1;
-                continue;
-            }
             let (ours, _) = planned(&asked, Synchronization::Time, Timing::default());
             tally.asked += 1;
             let least =
@@ -260,10 +243,9 @@ fn compare(count: u32, seed: u64) {
                 tally.slowest = tally.slowest.max(theirs / ours.duration);
             }
         }
-        let Tally { asked, refused, astray, slower, slowest, longer, blocked, unanswered } = tally;
-        assert!(unanswered <= MOST_UNANSWERED, "{kind:?}: {unanswered}");
+        let Tally { asked, refused, astray, slower, slowest, longer, blocked } = tally;
         println!(
-            "{kind:?}: of {asked}, {blocked} with a blocked interval, and {unanswered} unanswered; the peer refuses {refused}, goes astray in {astray} and is slower in \
+            "{kind:?}: of {asked}, {blocked} with a blocked interval; the peer refuses {refused}, goes astray in {astray} and is slower in \
              {slower}, at most {slowest:.3} times; ours is longer by at most {longer:.1e}"
         );
     }

@@ -33,6 +33,8 @@ pub use convert::{
 pub use digest::{Digest, RaggedColumns};
 pub use fingerprint::fingerprint;
 pub use json::{JsonError, JsonStyle, from_json, to_json, to_json_pretty, to_json_value, to_json_with};
+/// A length of time on the wire.
+pub use prost_types::Duration;
 pub use reason::{Reason, UnknownReason};
 pub use sampling::{Chunk, Sampling};
 pub use status::{DOMAIN, FieldViolation, Rejected, code_name, status_json, unreachable};

@@ -4,6 +4,7 @@
 //! not in the digest.
 
 mod motion;
+mod watched;
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -15,6 +16,7 @@ use crate::Digest;
 pub use motion::{
     Ask, GoalSpec, Motion, Operation, OperationRefusal, OperationResult, RECENT_RESULTS, refused_operation,
 };
+pub use watched::{Watch, Watched};
 
 /// What an axis says.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,6 +76,17 @@ pub enum Source {
     Plan(Accepted),
     /// A motion under way, as the axis has adopted it.
     Resume(Box<Resume>),
+}
+
+impl Source {
+    /// What is to be played first.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        match self {
+            Self::Plan(plan) => plan.plan(),
+            Self::Resume(resume) => resume.motion.plan(),
+        }
+    }
 }
 
 /// All that a server needs to go on with a stream that another has served.

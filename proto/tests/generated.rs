@@ -10,7 +10,12 @@ use std::path::{Path, PathBuf};
 
 use prost::Message as _;
 
-const FILES: [&str; 3] = ["motion/v1/plan.proto", "motion/v1/setpoint.proto", "motion/v1/sim_axis.proto"];
+const FILES: [&str; 4] = [
+    "motion/v1/plan.proto",
+    "motion/v1/setpoint.proto",
+    "motion/v1/sim_axis.proto",
+    "motion/v1/recording.proto",
+];
 
 #[test]
 fn checked_in_code_follows_from_the_schema() {

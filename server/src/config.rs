@@ -1,3 +1,5 @@
+use std::path::PathBuf;
+
 use serving::{Misfits, Settings};
 
 use crate::limits::Limits;
@@ -11,11 +13,21 @@ pub struct Config {
     pub served_by: Option<String>,
     /// How large a motion may be, and how many of them.
     pub limits: Limits,
+    /// A folder in which every stream is written down, a file for each; `None`: nowhere.
+    pub record: Option<PathBuf>,
+    /// Names under which people reach the console, beside addresses and `localhost`.
+    pub console_hosts: Vec<String>,
 }
 
 impl Default for Config {
     fn default() -> Self {
-        Self { serving: Settings::on_port(50051), served_by: None, limits: Limits::default() }
+        Self {
+            serving: Settings::on_port(50051),
+            served_by: None,
+            limits: Limits::default(),
+            record: None,
+            console_hosts: Vec::new(),
+        }
     }
 }
 
@@ -32,6 +44,9 @@ impl Config {
         let mut misfits = self.serving.misfits();
         for (setting, _) in self.limits.named().into_iter().filter(|(_, most)| *most == 0) {
             misfits.note(setting, "is 0, so that no axis could be served: give 1 or more");
+        }
+        if let Some(folder) = self.record.as_deref().filter(|folder| !folder.is_dir()) {
+            misfits.note("record", format!("is {}, which is no folder: make it first", folder.display()));
         }
         if let Some(why) = self.served_by.as_deref().and_then(planner::wrong_name) {
             misfits.note("served-by", why.to_string());

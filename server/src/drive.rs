@@ -10,6 +10,7 @@ use tonic::{Status, Streaming};
 
 use crate::session::{Answer, Event, Output, Session};
 use crate::streams::{Claim, Command, Streams};
+use crate::watch::{Board, Tap};
 
 type Incoming = Streaming<pb::StreamSetpointsRequest>;
 type Outgoing = mpsc::Sender<Result<pb::StreamSetpointsResponse, Status>>;
@@ -19,16 +20,18 @@ type Outgoing = mpsc::Sender<Result<pb::StreamSetpointsResponse, Status>>;
 pub(crate) async fn drive(
     mut incoming: Incoming,
     outgoing: Outgoing,
-    streams: Streams,
+    (streams, board): (Streams, Board),
     served_by: String,
     leaving: Leaving,
 ) {
     let opened = match first_message(&mut incoming).await {
-        Ok(open) => begin(open, &streams, &served_by),
+        Ok(open) => begin(open, &streams, &board, &served_by),
         Err(rejected) => Err(rejected),
     };
     match opened {
-        Ok((session, claim, epoch)) => serve(session, claim, epoch, incoming, outgoing, leaving).await,
+        Ok((session, claim, tap, epoch)) => {
+            serve(session, claim, tap, epoch, incoming, outgoing, leaving).await
+        }
         // Nobody to tell is not a failure.
         Err(rejected) => {
             tracing::info!(reason = %rejected.reason, "stream refused");
@@ -48,20 +51,27 @@ async fn first_message(incoming: &mut Incoming) -> Result<Open, Rejected> {
     }
 }
 
-fn begin(open: Open, streams: &Streams, served_by: &str) -> Result<(Session, Claim, u64), Rejected> {
-    let (stream, epoch) = (open.stream.clone(), open.epoch);
+fn begin(
+    open: Open,
+    streams: &Streams,
+    board: &Board,
+    served_by: &str,
+) -> Result<(Session, Claim, Tap, u64), Rejected> {
+    let (stream, epoch, executed) = (open.stream.clone(), open.epoch, open.executed_cycle);
     tracing::Span::current().record("stream", stream.as_str()).record("epoch", epoch);
     streams.admit(&open)?;
     // The session first: an open that is refused takes the stream from nobody.
     let session = Session::open(open, served_by)?;
-    let claim = streams.claim(stream, epoch)?;
+    let claim = streams.claim(stream.clone(), epoch)?;
+    let tap = board.open(stream, epoch, executed, session.motion());
     tracing::info!("stream opened");
-    Ok((session, claim, epoch))
+    Ok((session, claim, tap, epoch))
 }
 
 async fn serve(
     mut session: Session,
     mut claim: Claim,
+    mut tap: Tap,
     epoch: u64,
     mut incoming: Incoming,
     outgoing: Outgoing,
@@ -84,14 +94,24 @@ async fn serve(
                 session.handle(Event::Drain);
             }
             () = leaving.due(), if !session.is_ending() => session.handle(Event::Leave),
-            event = next_event(&mut incoming), if !session.is_ending() && !session.is_full() => {
+            mut event = next_event(&mut incoming), if !session.is_ending() && !session.is_full() => {
+                let glance = tap.before(&session, &mut event);
+                session.handle(event);
+                tap.after(&session, glance);
+            }
+            wanted = tap.wanted() => session.handle(Event::Watched(wanted)),
+            Some(command) = claim.commands.recv() => {
+                let mut event = commanders.admit(command);
+                tap.before(&session, &mut event);
                 session.handle(event);
             }
-            Some(command) = claim.commands.recv() => session.handle(commanders.admit(command)),
             permit = outgoing.reserve(), if session.has_output() => {
                 let Ok(permit) = permit else { return };
                 match session.poll_output() {
-                    Some(Output::Send(message)) => permit.send(Ok(response_to_wire(epoch, message))),
+                    Some(Output::Send(message)) => {
+                        tap.said(&message);
+                        permit.send(Ok(response_to_wire(epoch, message)));
+                    }
                     Some(Output::End(Err(rejected))) => {
                         tracing::info!(reason = %rejected.reason, "stream ended");
                         permit.send(Err(rejected.into()));

@@ -7,27 +7,33 @@
 //! - [`session`]: what one stream does, decided without a clock or a task
 //! - `limits`, `figures`: how large and how many, and what is told of it
 //! - `drive`: the loop between the world and a session
+//! - `watch`: who looks on
+//! - `console`: pages for people, on the side port
 
 mod config;
+mod console;
 mod drive;
 mod figures;
 mod limits;
 mod rpc;
 pub mod session;
 mod streams;
+mod watch;
 
 use std::net::SocketAddr;
 
 use proto::pb::planner_service_server::PlannerServiceServer;
 use proto::pb::setpoint_service_server::SetpointServiceServer;
-use serving::{Bound, Leaving, Services};
+use serving::{Bound, Caller, Leaving, Services};
 
 pub use config::Config;
+use console::Console;
 use figures::Figures;
 pub use limits::Limits;
 use rpc::{Planner, Setpoints};
 pub use serving::{Misfits, ServeError, Settings};
 use streams::Streams;
+use watch::Board;
 
 /// A server that has its port and does not serve yet.
 #[derive(Debug)]
@@ -72,11 +78,24 @@ impl Server {
         let streams = Streams::new(config.limits, figures.clone());
         // The frame refuses larger ones, with a reason; below it nothing else is to.
         let size = config.serving.max_message_bytes;
-        let planner = PlannerServiceServer::new(Planner::new(config.limits, figures));
-        let setpoints = SetpointServiceServer::new(Setpoints::new(streams, served_by, leaving.clone()));
+        let board = Board::recorded_in(config.record.as_deref());
+        let planner = Planner::new(config.limits, figures);
+        let setpoints = Setpoints::new(streams, board.clone(), served_by, leaving.clone());
+        let caller = Caller::without_a_name(config.serving.policy.clone());
+        let console = Console {
+            planner: planner.clone(),
+            setpoints: setpoints.clone(),
+            board,
+            leaving: leaving.clone(),
+            caller,
+        };
+        let pages = console.pages(&config.console_hosts, size);
+        let (planner, setpoints) =
+            (PlannerServiceServer::new(planner), SetpointServiceServer::new(setpoints));
         let services = Services::of_schema(proto::FILE_DESCRIPTOR_SET)
             .with(planner.max_decoding_message_size(size))
-            .with(setpoints.max_decoding_message_size(size));
+            .with(setpoints.max_decoding_message_size(size))
+            .with_pages(pages);
         bound.serve(services, leaving, stop).await
     }
 }

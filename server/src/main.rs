@@ -3,6 +3,7 @@
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in square brackets in help texts")]
 
 use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
@@ -28,6 +29,12 @@ struct Args {
     /// The name by which axes know this replica [default: its address].
     #[arg(long, env = "PORTAMENTO_SERVED_BY", value_name = "NAME")]
     served_by: Option<String>,
+    /// Write every stream down in this folder, a file of MCAP for each, for `portamento replay`, Foxglove and PlotJuggler.
+    #[arg(long, env = "PORTAMENTO_RECORD", value_name = "FOLDER")]
+    record: Option<PathBuf>,
+    /// A name under which people reach the console, beside addresses and localhost; may be given several times.
+    #[arg(long, env = "PORTAMENTO_CONSOLE_HOST", value_delimiter = ',', value_name = "NAME")]
+    console_host: Vec<String>,
     #[command(flatten)]
     flags: Flags,
     #[command(flatten)]
@@ -95,7 +102,8 @@ fn main() -> ExitCode {
 
 /// The settings, and everything that is wrong with them.
 fn config(args: Args, mut misfits: Misfits) -> (Config, Misfits) {
-    let Args { listen, http, served_by, flags, motion, command: _ } = args;
+    let Args { listen, http, served_by, record, console_host: console_hosts, flags, motion, command: _ } =
+        args;
     let serving = flags.settings(listen, http, &mut misfits);
     let MotionFlags {
         max_streams,
@@ -120,7 +128,7 @@ fn config(args: Args, mut misfits: Misfits) -> (Config, Misfits) {
         pvt_points: max_pvt_points.or_note("max-pvt-points", usual.pvt_points, &mut misfits),
         sample_cycles: max_sample_cycles.or_note("max-sample-cycles", usual.sample_cycles, &mut misfits),
     };
-    let config = Config { serving, served_by, limits };
+    let config = Config { serving, served_by, limits, record, console_hosts };
     misfits.extend(config.misfits());
     (config, misfits)
 }

@@ -21,6 +21,13 @@ impl Caller {
         request.extensions().get::<Self>().cloned().unwrap_or_default()
     }
 
+    /// Of who comes where nobody is asked for a certificate, as to pages on the side port: he may what `policy` grants to
+    /// those without a name.
+    #[must_use]
+    pub fn without_a_name(policy: Option<Policy>) -> Self {
+        Self { identity: None, policy: policy.map(Arc::new) }
+    }
+
     /// By the certificate of a connection: its first name that is a URI, else its first DNS name.
     pub(crate) fn of_connection(extensions: &Extensions, policy: Option<&Arc<Policy>>) -> Self {
         let certificates =
@@ -58,8 +65,11 @@ impl Caller {
         self.policy.as_ref().is_none_or(|policy| policy.allows_stream(self.name(), stream))
     }
 
-    /// May the caller call `method`, as `motion.v1.PlannerService/Plan`?
-    pub(crate) fn may_call(&self, method: &str) -> Result<(), Rejected> {
+    /// May the caller call `method`, as `motion.v1.PlannerService/Plan`? Without a policy everybody may.
+    ///
+    /// # Errors
+    /// `METHOD_NOT_ALLOWED`.
+    pub fn may_call(&self, method: &str) -> Result<(), Rejected> {
         let allowed = self.policy.as_ref().is_none_or(|policy| policy.allows_method(self.name(), method));
         if allowed || method.starts_with(HEALTH) {
             return Ok(());

@@ -52,6 +52,7 @@ mod service;
 mod servo;
 mod stability;
 mod vibration;
+mod watched;
 
 pub use audit::{InvalidField, InvalidModel};
 pub use axis::{Axis, AxisConfig, InvalidConfig, Observation};

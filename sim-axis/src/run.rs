@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime};
 
 use client::failover::{Change, DEFAULT_PATIENCE, Failure, News};
-use client::{Buffer, Connect, Next, Standing, Uplink};
+use client::{Buffer, Connect, Next, Servers, Standing, Uplink};
 use planner::{Accepted, AxisKind, Setpoint};
 use proto::Digest;
 use proto::stream::{
@@ -25,6 +25,7 @@ use crate::model::AxisModel;
 use crate::monitor::ReportCard;
 use crate::player::{Divergence, Player};
 use crate::samples::Samples;
+use crate::watched::WatchedBy;
 
 /// What an axis is asked to follow, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,10 +50,10 @@ pub struct TrackRequest {
     pub stay_open: bool,
     /// Take a plan that does not guarantee velocity and acceleration?
     pub accept_unproved: bool,
-    /// How planners are connected to.
-    pub connect: Connect,
     /// How long a planner that goes on is looked for, once there is none.
     pub patience: Duration,
+    /// How planners are connected to.
+    pub connect: Connect,
 }
 
 /// How long loads are watched after the last setpoint where nobody says [s]: two dozen swings of a soft machine.
@@ -68,6 +69,11 @@ pub fn default_settle_tolerance(kind: AxisKind) -> f64 {
 }
 
 impl TrackRequest {
+    fn servers(&self) -> Servers {
+        let (endpoints, connect) = (self.endpoints.clone(), self.connect.clone());
+        Servers { endpoints, connect, patience: self.patience }
+    }
+
     /// To follow `plan` from the planner at `endpoint`, with ideal axes, in wall-clock time.
     #[must_use]
     pub fn new(stream: impl Into<String>, endpoint: impl Into<String>, plan: Accepted) -> Self {
@@ -82,8 +88,8 @@ impl TrackRequest {
             settle_tolerance: None,
             stay_open: false,
             accept_unproved: false,
-            connect: Connect::new(),
             patience: DEFAULT_PATIENCE,
+            connect: Connect::new(),
         }
     }
 }
@@ -259,8 +265,7 @@ impl Tracking {
         let axes = axes(&request)?;
         let open = open_of(&request);
         let cycle = request.plan.plan().cycle_time();
-        let mut uplink = Uplink::new(request.endpoints.clone(), open.clone(), cycle, request.patience);
-        uplink.connect_by(request.connect.clone());
+        let mut uplink = Uplink::new(request.servers(), open.clone(), cycle);
         let Opened { motion, served_by, .. } = opened(&mut uplink).await?;
         let player = player(&open, axes, &motion, &uplink);
         let (commander, commands) = commander();
@@ -420,6 +425,7 @@ async fn carry(
     let (events, event_queue) = mpsc::channel(EVENTS);
     let nobody = teller.clone();
     let failovers = AtomicU64::new(0);
+    let watched = WatchedBy::default();
     let stream = Stream {
         uplink,
         reports,
@@ -428,9 +434,10 @@ async fn carry(
         events,
         failovers: &failovers,
         figures: Figures::resolve(),
+        watched: &watched,
     };
     let mut streaming = Box::pin(stream.carry(&mut feed));
-    let mut telling = Box::pin(tell(samples, event_queue, teller, clock));
+    let mut telling = Box::pin(tell(samples, event_queue, teller, (clock, &watched)));
     let mut outcome = std::pin::pin!(outcome);
     let (mut ended, mut told) = (None, false);
 
@@ -508,6 +515,7 @@ struct Stream<'a> {
     events: mpsc::Sender<Update>,
     failovers: &'a AtomicU64,
     figures: Figures,
+    watched: &'a WatchedBy,
 }
 
 impl Stream<'_> {
@@ -545,7 +553,10 @@ impl Stream<'_> {
         match news {
             News::Opened(_) | News::Over(_) => {}
             News::Answer(id, answer) => self.waiting.tell(&id, &answer),
-            News::Event(event) => drop(self.events.try_send(Update::Event(event))),
+            News::Event(event) => {
+                self.watched.hear(event);
+                drop(self.events.try_send(Update::Event(event)));
+            }
             News::FailedOver(change) => {
                 let Change { cause, from, to, executed_cycle, took } = &change;
                 let cause = cause.name();
@@ -568,8 +579,9 @@ impl Stream<'_> {
             }
         }
         self.reports.thread.wake();
-        if let Some(Word { report, heeded }) = newest {
+        if let Some(Word { mut report, heeded }) = newest {
             self.figures.report(&report);
+            report.tracking = self.watched.take();
             self.uplink.report(report, heeded);
         }
         if !self.reports.reports.is_empty() {
@@ -594,7 +606,7 @@ async fn tell(
     mut ring: SampleRing,
     mut events: mpsc::Receiver<Update>,
     teller: mpsc::Sender<Update>,
-    clock: Clock,
+    (clock, watched): (Clock, &WatchedBy),
 ) {
     let figures = Figures::resolve();
     let mut queue = VecDeque::new();
@@ -605,6 +617,7 @@ async fn tell(
         while clock == Clock::Wall || queue.len() < WAITING {
             let Ok(mut chunk) = ring.full.pop() else { break };
             let samples = chunk.read();
+            watched.put(&samples.tracking);
             if clock == Clock::Wall {
                 figures.lateness(&samples.tracking.cycle_jitter_ns);
             }

@@ -318,15 +318,6 @@ async fn a_path_too_short_says_what_would_do() {
     assert!(plan.certificate.unwrap().passed);
 }
 
-#[tokio::test]
-async fn what_later_versions_do_is_said_not_to_be_done() {
-    let server = Loopback::start().await;
-    let mut setpoints = server.setpoints().await;
-    let status = setpoints.watch_stream(pb::WatchStreamRequest::default()).await.unwrap_err();
-    assert_eq!(status.code(), Code::Unimplemented);
-    assert_eq!(refused(&status).reason, Reason::NotImplemented);
-}
-
 /// A plan in which somebody has changed one number, and taken out what that makes untrue of the whole.
 fn tampered(change: impl FnOnce(&mut pb::AxisPlan)) -> pb::Plan {
     let mut plan = pb::Plan { fingerprint: vec![], cycle_count: 0, duration: 0.0, ..plan() };

@@ -26,3 +26,4 @@ mod standing_services;
 mod synchronised;
 mod told;
 mod tracking;
+mod watching;

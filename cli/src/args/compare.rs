@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{HigherLimitFlags, LimitFlags, MoveFlags};
+use super::{HigherLimitFlags, LimitFlags, MoveFlags, figure};
 use crate::law::Law;
 
 /// Plan one move with several families, have the same simulated axis follow each, and show the differences.
@@ -61,6 +61,6 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "U", help_heading = "Output")]
     pub(crate) settle_tolerance: Option<f64>,
     /// Draw the velocities over each other, and the errors of motor and load.
-    #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
+    #[arg(long, value_name = "FILE.svg|png", help_heading = "Output", value_parser = figure)]
     pub(crate) plot: Option<PathBuf>,
 }

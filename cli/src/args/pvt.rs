@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, ValueEnum};
 use planner::{AxisKind, PvtInterpolation, PvtPolicy};
 
-use super::{Kind, LimitFlags, nanoseconds, svg};
+use super::{Kind, LimitFlags, figure, nanoseconds};
 
 /// Plan a motion through points of position, velocity and time, and show what becomes of each.
 ///
@@ -83,7 +83,7 @@ pub(crate) struct PvtArgs {
     pub(crate) method: PointFlags,
     /// Write a plot of position, velocity, acceleration and jerk over time, with the regions, what was asked, and what
     /// was not met.
-    #[arg(long, value_name = "FILE.svg", help_heading = "Output", value_parser = svg)]
+    #[arg(long, value_name = "FILE.svg|png", help_heading = "Output", value_parser = figure)]
     pub(crate) plot: Option<PathBuf>,
     /// Save the Plan as JSON, for verify, sample and track.
     #[arg(long, value_name = "FILE.json", help_heading = "Output")]

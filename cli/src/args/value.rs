@@ -22,15 +22,30 @@ pub(super) fn endpoint(text: &str) -> Result<String, String> {
     }
 }
 
-/// A file for a plot: of the one format that is written, so that no file holds what its name does not say.
-pub(super) fn svg(text: &str) -> Result<PathBuf, String> {
+/// A file for a plot: of a format that is written, so that no file holds what its name does not say.
+pub(super) fn figure(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    let is_svg = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
-    if is_svg {
+    let is = |format| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(format));
+    if is("svg") || is("png") {
         return Ok(path);
     }
-    let named = path.with_extension("svg");
-    Err(format!("plots are SVG, and other formats are made from it: name a file such as {}", named.display()))
+    let [svg, png] = ["svg", "png"].map(|format| path.with_extension(format));
+    Err(format!("plots are SVG or PNG: name a file such as {} or {}", svg.display(), png.display()))
+}
+
+/// A file for a recording: of a format that is written.
+pub(super) fn recording(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is = |format| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(format));
+    if is("mcap") || is("csv") {
+        return Ok(path);
+    }
+    let [mcap, csv] = ["mcap", "csv"].map(|format| path.with_extension(format));
+    Err(format!(
+        "recordings are MCAP, or cycles as CSV: name a file such as {} or {}",
+        mcap.display(),
+        csv.display()
+    ))
 }
 
 /// A time with its unit, in whole nanoseconds. Whether it is long enough is for the planner to say.
@@ -66,9 +81,12 @@ mod tests {
 
     #[test]
     fn plots_are_named_for_what_they_are() {
-        assert_eq!(svg("a/b.SVG"), Ok(PathBuf::from("a/b.SVG")));
-        for (text, named) in [("x.png", "x.svg"), ("plot", "plot.svg"), ("a.svg/b", "a.svg/b.svg")] {
-            assert!(svg(text).is_err_and(|why| why.ends_with(named)), "{text}");
+        for text in ["a/b.SVG", "b.png"] {
+            assert_eq!(figure(text), Ok(PathBuf::from(text)));
+        }
+        for (text, named) in [("x.pdf", "x.svg"), ("plot", "plot.svg"), ("a.svg/b", "a.svg/b.svg")] {
+            let way_out = format!("{named} or {}", named.replace(".svg", ".png").replace("a.png/", "a.svg/"));
+            assert!(figure(text).is_err_and(|why| why.ends_with(&way_out)), "{text}");
         }
     }
 

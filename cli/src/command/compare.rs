@@ -41,8 +41,7 @@ pub(crate) fn run(args: &CompareArgs, server: Server<'_>, screen: &mut Screen<'_
         return Err(Failure::NotAlike);
     }
     if let Some(path) = &args.plot {
-        let svg = plot::svg(&plot::of_comparison(&all))?;
-        std::fs::write(path, svg).map_err(Failure::unwritable(path))?;
+        plot::write(path, &plot::of_comparison(&all))?;
     }
     if screen.json {
         writeln!(screen.out, "{}", compared::json(&all, &chosen.limits()))?;

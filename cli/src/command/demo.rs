@@ -17,6 +17,7 @@ use crate::args::DemoArgs;
 use crate::command::compare::{Watched, families};
 use crate::failure::Failure;
 use crate::law::Law;
+use crate::record::Record;
 use crate::service::Service;
 use crate::show::compared;
 use crate::show::paint::Screen;
@@ -141,7 +142,7 @@ async fn play(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(Judged, Outco
         screen.out.flush()?;
     }
     let accepted = judged.clone().accepted().map_err(Failure::refused)?;
-    let (report, results, tracked) = follow(args, &endpoint, accepted.clone()).await?;
+    let (report, results, tracked) = follow(args, &endpoint, &judged, accepted.clone()).await?;
     let undisturbed = replayed(&accepted, &results)?;
 
     // Without connections left the server stops at once; how it ends does not matter to the answer.
@@ -153,6 +154,7 @@ async fn play(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(Judged, Outco
 async fn follow(
     args: &DemoArgs,
     endpoint: &str,
+    judged: &Judged,
     plan: Accepted,
 ) -> Result<(TrackingReport, Vec<OperationResult>, Tracked), Failure> {
     let clock = if args.virtual_time { Clock::Virtual } else { Clock::Wall };
@@ -162,6 +164,8 @@ async fn follow(
         lead_cycles: LEAD_CYCLES,
         ..TrackRequest::new("demo/x", endpoint, plan.clone())
     };
+    let mut record = Record::begin(args.record.as_deref(), &request.stream, judged)?;
+    record.request(fifty_millimetres())?;
     let mut watch = Watch::new(plan.plan(), request.settle_window, true);
     let asked = OPERATIONS.into_iter().map(|(cycle, name, _, ask)| Operation {
         not_before_cycle: Some(cycle),
@@ -169,17 +173,21 @@ async fn follow(
     });
     let (mut tracking, answers) = Tracking::begin_with(request, asked.collect()).await?;
     while let Some(update) = tracking.next().await {
+        record.update(&update)?;
         watch.see(update);
     }
     let mut tracked = watch.finish().unwrap_or_default();
     let report = tracking.finish().await?;
     let mut results = Vec::with_capacity(answers.len());
-    for (answer, (_, name, ..)) in answers.into_iter().zip(OPERATIONS) {
+    for (answer, (cycle, name, _, ask)) in answers.into_iter().zip(OPERATIONS) {
         let result = answer.get().await.map_err(Failure::refused)?;
+        let operation = Operation { not_before_cycle: Some(cycle), ..Operation::now(name, ask) };
+        record.operation(operation, result.clone())?;
         let time = result.effective_cycle as f64 * plan.plan().cycle_time().as_seconds();
         tracked.operations.push((time, name.to_owned()));
         results.push(result);
     }
+    record.finish(&report)?;
     Ok((report, results, tracked))
 }
 
@@ -208,6 +216,5 @@ fn fifty_millimetres() -> RequestSpec {
 
 /// Draws what was commanded and what was measured.
 pub(super) fn draw(path: &Path, judged: &Judged, tracked: &Tracked) -> Result<(), Failure> {
-    let svg = plot::svg(&plot::of_tracking(judged.plan(), tracked))?;
-    std::fs::write(path, svg).map_err(Failure::unwritable(path))
+    plot::write(path, &plot::of_tracking(judged.plan(), tracked))
 }

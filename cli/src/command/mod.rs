@@ -3,14 +3,18 @@
 mod batch;
 mod compare;
 mod demo;
+pub(crate) mod diff;
 mod explain;
 mod follow;
+mod init;
 mod operate;
 mod plan;
 mod pvt;
+mod replay;
 mod sample;
 mod track;
 mod verify;
+mod watch;
 
 use std::io::{self, BufWriter};
 
@@ -50,13 +54,17 @@ fn execute(command: &Command, server: Server<'_>, screen: &mut Screen<'_>) -> Re
                 .to_owned(),
         )),
         Command::Demo(args) => demo::run(args, screen),
+        Command::Init(args) => init::run(args, screen),
         Command::Plan(args) => plan::run(args, server, screen),
         Command::Pvt(args) => pvt::run(args, server, screen),
         Command::Compare(args) => compare::run(args, server, screen),
         Command::Verify(args) => verify::run(args, server, screen),
+        Command::Diff(args) => diff::run(args, screen),
         Command::Sample(args) => sample::run(args, server, screen),
         Command::Track(args) => track::run(args, server, screen),
         Command::Operate(args) => operate::run(args, server, screen),
+        Command::Replay(args) => replay::run(args, screen),
+        Command::Watch(args) => watch::run(args, server, screen),
         Command::Explain(args) => explain::run(args, screen),
     }
 }

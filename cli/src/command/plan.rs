@@ -27,8 +27,7 @@ pub(crate) fn run(args: &PlanArgs, server: Server<'_>, screen: &mut Screen<'_>) 
         std::fs::write(path, text).map_err(Failure::unwritable(path))?;
     }
     if let Some(path) = &args.plot {
-        let svg = plot::svg(&plot::of_plan(judged.plan()))?;
-        std::fs::write(path, svg).map_err(Failure::unwritable(path))?;
+        plot::write(path, &plot::of_plan(judged.plan()))?;
     }
     if screen.json {
         writeln!(screen.out, "{}", json::plan_response(&judged)?)?;

@@ -36,8 +36,7 @@ pub(crate) fn run(args: &PvtArgs, server: Server<'_>, screen: &mut Screen<'_>) -
         std::fs::write(path, text).map_err(Failure::unwritable(path))?;
     }
     if let Some(path) = &args.plot {
-        let svg = plot::svg(&plot::of_points(&judged))?;
-        std::fs::write(path, svg).map_err(Failure::unwritable(path))?;
+        plot::write(path, &plot::of_points(&judged))?;
     }
     if screen.json {
         writeln!(screen.out, "{}", json::pvt_response(&judged)?)?;

@@ -4,6 +4,7 @@ use sim_axis::{Clock, DEFAULT_SETTLE_WINDOW, RemoteAxis, TrackRequest};
 use crate::args::TrackArgs;
 use crate::command::demo::draw;
 use crate::failure::Failure;
+use crate::record::Record;
 use crate::service::Server;
 use crate::show::paint::Screen;
 use crate::show::watch::Watch;
@@ -30,13 +31,17 @@ pub(crate) fn run(args: &TrackArgs, server: Server<'_>, screen: &mut Screen<'_>)
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let runtime = runtime.map_err(|error| Failure::Internal(error.to_string()))?;
     let (report, tracked) = runtime.block_on(async {
+        let mut record = Record::begin(args.record.as_deref(), &args.stream, &judged)?;
         let mut watch = Watch::new(judged.plan(), request.settle_window, args.plot.is_some());
         let axis = RemoteAxis::connect_by(server.connect, server.endpoint.unwrap_or(USUAL_AXIS)).await?;
         let mut run = axis.track(request).await?;
         while let Some(update) = run.next().await? {
+            record.update(&update)?;
             watch.see(update);
         }
-        Ok::<_, Failure>((run.finish()?, watch.finish()))
+        let report = run.finish()?;
+        record.finish(&report)?;
+        Ok::<_, Failure>((report, watch.finish()))
     })?;
     if let (Some(path), Some(tracked)) = (&args.plot, &tracked) {
         draw(path, &judged, tracked)?;

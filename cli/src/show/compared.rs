@@ -55,7 +55,7 @@ impl Compared {
     ) -> Self {
         let peak = |quantity| {
             let mut checks = judged.certificate().limits.iter();
-            let check = checks.find(|check| check.axis == axis.axis && check.quantity == quantity);
+            let check = checks.find(|check| *check.axis == *axis.axis && check.quantity == quantity);
             check.map_or(0.0, |check| check.extremum.abs())
         };
         Self {

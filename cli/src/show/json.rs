@@ -1,9 +1,12 @@
 //! Messages as JSON, one a line: beside `source` the only place of this tool that names wire types.
 
-use planner::{Certificate, Judged, JudgedPvt, PvtPointReport};
+use planner::{Certificate, Judged, JudgedPvt, PvtPointReport, Quantity};
 use proto::stream::Columns;
 use proto::{Digest, JsonError, Rejected, pb};
+use serde_json::json;
 use sim_axis::TrackingReport;
+
+use crate::command::diff::Differences;
 
 /// A `PlanResponse`.
 pub(crate) fn plan_response(judged: &Judged) -> Result<String, JsonError> {
@@ -43,6 +46,27 @@ pub(crate) fn sample_response(
 /// A `TrackingReport`.
 pub(crate) fn tracking_report(report: &TrackingReport) -> Result<serde_json::Value, JsonError> {
     proto::to_json_value(&pb::TrackingReport::from(report.clone()))
+}
+
+/// In what two plans differ.
+pub(crate) fn differences(found: &Differences) -> serde_json::Value {
+    let name = |quantity: Quantity| quantity.to_string();
+    let worst = found.worst.iter().map(|worst| {
+        json!({
+            "axis": worst.axis, "quantity": name(worst.quantity), "difference": worst.difference,
+            "cycle": worst.cycle, "greatest": worst.greatest,
+        })
+    });
+    let first = found.first.as_ref().map(|parting| {
+        json!({
+            "axis": parting.axis, "quantity": name(parting.quantity), "cycle": parting.cycle,
+            "a": parting.values[0], "b": parting.values[1],
+        })
+    });
+    json!({
+        "same": found.none(), "durations": found.durations, "onlyInA": found.alone[0], "onlyInB": found.alone[1],
+        "worst": worst.collect::<Vec<_>>(), "first": first,
+    })
 }
 
 /// `{"error": …}`

@@ -2,6 +2,7 @@
 
 pub(crate) mod compared;
 pub(crate) mod csv;
+pub(crate) mod differences;
 pub(crate) mod json;
 pub(crate) mod number;
 pub(crate) mod paint;

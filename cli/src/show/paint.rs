@@ -71,6 +71,7 @@ impl Screen<'_> {
             // Nobody is left to hear it.
             Failure::ReaderGone => return Ok(()),
             // The answer says so.
+            Failure::Differ => return Ok(()),
             Failure::NotPassed if self.json => return Ok(()),
             Failure::Refused(rejected) if self.json => {
                 writeln!(self.out, "{}", json::error(rejected))?;

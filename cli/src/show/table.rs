@@ -20,7 +20,7 @@ const LONGEST_NAME: usize = 16;
 pub(crate) fn plan(screen: &mut Screen<'_>, judged: &Judged) -> io::Result<()> {
     let plan = judged.plan();
     heading(screen, plan)?;
-    if let Some(pace) = pace(plan, judged.explanation()) {
+    if let Some(pace) = pace(plan, &judged.explanation()) {
         writeln!(screen.out, "{}", wrapped(&pace, ""))?;
     }
     for axis in plan.axes() {
@@ -225,8 +225,8 @@ fn asked(axis: &AxisPlan, digits: i32) -> Table {
 
 /// Which limit holds the motion back when, in a sentence.
 fn held_back(judged: &Judged, axis: &AxisPlan) -> Option<String> {
-    let bindings: Vec<_> =
-        judged.explanation().bindings.iter().filter(|binding| binding.axis == axis.axis).collect();
+    let explanation = judged.explanation();
+    let bindings: Vec<_> = explanation.bindings.iter().filter(|binding| binding.axis == axis.axis).collect();
     if bindings.is_empty() {
         return None;
     }

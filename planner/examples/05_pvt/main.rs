@@ -10,8 +10,9 @@
 
 #![allow(clippy::print_stdout, reason = "the table is what the example is for")]
 
+#[path = "../chart/mod.rs"]
+mod chart;
 mod recording;
-mod svg;
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -19,12 +20,12 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
+use chart::{Chart, Panel, WIDE};
 use planner::{
     AxisKind, AxisPlan, Judged, Limits, PvtAxisSpec, PvtInterpolation, PvtPlan, PvtPlanner, PvtPolicy,
     PvtRequest, PvtRequestSpec, PvtTarget, Quantity, Segment, Setpoint, State, plan_pvt,
 };
 use recording::{BEAT, FASTEST, Row};
-use svg::{Panel, figure};
 
 const RECORDING: &str = include_str!("recording.csv");
 const AXES: [&str; 2] = ["x", "y"];
@@ -61,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         if let Some(folder) = &argument {
             std::fs::create_dir_all(folder)?;
             for (index, axis) in planned.plan().axes().iter().enumerate() {
-                let figure = draw(axis, name, &rows, index, adjusted[index])?;
+                let figure = draw(axis, name, &rows, index, adjusted[index]);
                 let file = format!("figure_{:02}_{}_{name}.svg", number + index, axis.axis);
                 writeln!(figures, "![Axis {}, {name}]({file})", axis.axis)?;
                 std::fs::write(Path::new(folder).join(file), figure)?;
@@ -145,7 +146,7 @@ fn write_extremes(
     for (index, axis) in planned.plan().axes().iter().enumerate() {
         let cell = |quantity| {
             let mut checks = judged.certificate().limits.iter();
-            let check = checks.find(|check| check.axis == axis.axis && check.quantity == quantity);
+            let check = checks.find(|check| *check.axis == *axis.axis && check.quantity == quantity);
             check.map_or_else(String::new, |check| {
                 let part = 100.0 * (1.0 - check.margin);
                 if part.is_infinite() {
@@ -200,59 +201,47 @@ fn write_times(table: &mut String, rows: &[Row]) -> Result<(), Box<dyn Error>> {
 }
 
 /// Position, velocity, acceleration and jerk over time.
-fn draw(
-    axis: &AxisPlan,
-    name: &str,
-    rows: &[Row],
-    index: usize,
-    adjusted: usize,
-) -> Result<String, std::fmt::Error> {
+fn draw(axis: &AxisPlan, name: &str, rows: &[Row], index: usize, adjusted: usize) -> String {
     let profile = &axis.profile;
-    let end = profile.duration();
-    let (mut position, mut velocity, mut acceleration, mut jerk) = (vec![], vec![], vec![], vec![]);
+    let mut curves: [Vec<(f64, f64)>; 4] = Default::default();
     for (begin, segment) in profile.timed_segments() {
         for (time, setpoint) in samples(&segment) {
-            let Setpoint { state, jerk: rate } = setpoint;
-            position.push([begin + time, state.position]);
-            velocity.push([begin + time, state.velocity]);
-            acceleration.push([begin + time, state.acceleration]);
-            jerk.push([begin + time, rate]);
+            for (curve, value) in curves.iter_mut().zip(setpoint.words()) {
+                curve.push((begin + time, value));
+            }
         }
     }
     let limits = &axis.limits;
-    let both = |limit: f64| Some([-limit, limit]);
-    let dots = |value: fn(&Row, usize) -> f64| rows.iter().map(|row| [row.time, value(row, index)]).collect();
-    let panels = [
-        Panel {
-            title: "position",
-            unit: "m",
-            line: position,
-            dots: dots(|row, axis| row.position[axis]),
-            limits: None,
-        },
-        Panel {
-            title: "velocity",
-            unit: "m/s",
-            line: velocity,
-            dots: dots(|row, axis| row.velocity[axis]),
-            limits: both(limits.velocity_forward()),
-        },
-        Panel {
-            title: "acceleration",
-            unit: "m/s²",
-            line: acceleration,
-            dots: vec![],
-            limits: both(limits.acceleration()),
-        },
-        Panel { title: "jerk", unit: "m/s³", line: jerk, dots: vec![], limits: both(limits.jerk()) },
-    ];
-    let words = format!(
-        "dots: commands every {} ms, {adjusted} of {} adjusted; dashed: limits; reversals: {}",
-        BEAT * 1e3,
-        rows.len(),
-        profile.reversals().count()
-    );
-    figure(&format!("Axis {}, {name}", axis.axis), &words, end, &panels)
+    let dots = |value: fn(&Row, usize) -> f64| rows.iter().map(|row| (row.time, value(row, index))).collect();
+    let commanded: [Vec<(f64, f64)>; 4] =
+        [dots(|row, axis| row.position[axis]), dots(|row, axis| row.velocity[axis]), vec![], vec![]];
+    let bounds = [None, Some(limits.velocity_forward()), Some(limits.acceleration()), Some(limits.jerk())];
+    let titles = [("position", "[m]"), ("velocity", "[m/s]"), ("acceleration", "[m/s²]"), ("jerk", "[m/s³]")];
+    let panels = titles.into_iter().zip(curves).zip(commanded.into_iter().zip(bounds));
+    let panels = panels.map(|(((title, unit), curve), (commanded, bound))| {
+        let mut panel = Panel::new(title, "time [s]", unit);
+        panel.curve("planned", 0, curve);
+        if !commanded.is_empty() {
+            panel.dots("commanded", 1, commanded);
+        }
+        for bound in bound.into_iter().flat_map(|bound| [-bound, bound]) {
+            panel.bound(bound);
+        }
+        panel
+    });
+    let chart = Chart {
+        title: format!("Axis {}, {name}", axis.axis),
+        subtitle: format!(
+            "dots: commands every {} ms, {adjusted} of {} adjusted; dashed: limits; reversals: {}",
+            BEAT * 1e3,
+            rows.len(),
+            profile.reversals().count()
+        ),
+        columns: 1,
+        panel: WIDE,
+        panels: panels.collect(),
+    };
+    chart.svg()
 }
 
 /// Both ends of a piece and what lies between, closer than the pixels of a figure are.

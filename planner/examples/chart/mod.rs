@@ -3,7 +3,7 @@
 //! ```ignore
 //! let mut panel = Panel::new("first simulation", "Time [s]", "Velocity [pulses/s]");
 //! panel.curve("asymmetric", 0, points);
-//! Chart { title: "…".into(), columns: 2, panels: vec![panel] }.write("figure.svg")?;
+//! Chart { title: "…".into(), subtitle: "…".into(), columns: 2, panel: NARROW, panels: vec![panel] }.write("figure.svg")?;
 //! ```
 
 #![allow(dead_code, reason = "each example takes what it needs")]
@@ -15,8 +15,14 @@ pub(crate) struct Chart {
     pub(crate) title: String,
     pub(crate) subtitle: String,
     pub(crate) columns: usize,
+    /// Width and height of each panel [px].
+    pub(crate) panel: (f64, f64),
     pub(crate) panels: Vec<Panel>,
 }
+
+/// Beside others, and alone in its row [px].
+pub(crate) const NARROW: (f64, f64) = (310.0, 150.0);
+pub(crate) const WIDE: (f64, f64) = (800.0, 180.0);
 
 /// Curves over one pair of axes.
 pub(crate) struct Panel {
@@ -31,15 +37,28 @@ pub(crate) struct Panel {
 struct Curve {
     name: String,
     ink: usize,
-    dashed: bool,
+    stroke: Stroke,
     points: Vec<(f64, f64)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stroke {
+    Solid,
+    Dashed,
+    Dots,
+}
+
+impl Stroke {
+    /// What it adds to a line.
+    fn dash(self) -> &'static str {
+        if self == Self::Dashed { r#" stroke-dasharray="6 4""# } else { "" }
+    }
 }
 
 /// Okabe and Ito (2008): told apart with every kind of colour vision.
 const INKS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#282828"];
 
 // Lengths [px].
-const PANEL: (f64, f64) = (310.0, 150.0);
 const LEFT: f64 = 74.0;
 const RIGHT: f64 = 26.0;
 const ABOVE: f64 = 30.0;
@@ -60,13 +79,21 @@ impl Panel {
 
     /// Adds a curve in the colour number `ink`; curves of one name share a place in the legend.
     pub(crate) fn curve(&mut self, name: &str, ink: usize, points: Vec<(f64, f64)>) -> &mut Self {
-        self.curves.push(Curve { name: name.into(), ink, dashed: false, points });
-        self
+        self.add(name, ink, Stroke::Solid, points)
     }
 
     /// The same, dashed.
     pub(crate) fn dashed(&mut self, name: &str, ink: usize, points: Vec<(f64, f64)>) -> &mut Self {
-        self.curves.push(Curve { name: name.into(), ink, dashed: true, points });
+        self.add(name, ink, Stroke::Dashed, points)
+    }
+
+    /// Single points.
+    pub(crate) fn dots(&mut self, name: &str, ink: usize, points: Vec<(f64, f64)>) -> &mut Self {
+        self.add(name, ink, Stroke::Dots, points)
+    }
+
+    fn add(&mut self, name: &str, ink: usize, stroke: Stroke, points: Vec<(f64, f64)>) -> &mut Self {
+        self.curves.push(Curve { name: name.into(), ink, stroke, points });
         self
     }
 
@@ -92,8 +119,7 @@ impl Panel {
         [left, right, low - room, high + room]
     }
 
-    fn draw(&self, svg: &mut String, (left, top): (f64, f64)) {
-        let (width, height) = PANEL;
+    fn draw(&self, svg: &mut String, (left, top): (f64, f64), (width, height): (f64, f64)) {
         let (right, bottom) = (left + width, top + height);
         let [least, most, low, high] = self.extent();
         let x = |value: f64| left + (value - least) / (most - least) * width;
@@ -125,14 +151,20 @@ impl Panel {
             left - 56.0,
             escaped(&self.up)
         );
-        for Curve { ink, dashed, points, .. } in &self.curves {
+        for Curve { ink, stroke, points, .. } in &self.curves {
+            let ink = INKS[ink % INKS.len()];
+            if *stroke == Stroke::Dots {
+                for &(t, value) in points {
+                    dot(svg, (x(t), y(value)), ink);
+                }
+                continue;
+            }
             let points: Vec<String> =
                 points.iter().map(|&(t, value)| format!("{:.2},{:.2}", x(t), y(value))).collect();
-            let dash = if *dashed { r#" stroke-dasharray="6 4""# } else { "" };
             let _ = writeln!(
                 svg,
-                r#"<polyline fill="none" stroke="{}" stroke-width="1.8" stroke-linejoin="round"{dash} points="{}"/>"#,
-                INKS[ink % INKS.len()],
+                r#"<polyline fill="none" stroke="{ink}" stroke-width="1.8" stroke-linejoin="round"{} points="{}"/>"#,
+                stroke.dash(),
                 points.join(" ")
             );
         }
@@ -147,10 +179,11 @@ impl Chart {
         Ok(())
     }
 
-    fn svg(&self) -> String {
+    /// The chart as a file has it.
+    pub(crate) fn svg(&self) -> String {
         let columns = self.columns.max(1);
         let rows = self.panels.len().div_ceil(columns);
-        let cell = (LEFT + PANEL.0 + RIGHT, ABOVE + PANEL.1 + BELOW);
+        let cell = (LEFT + self.panel.0 + RIGHT, ABOVE + self.panel.1 + BELOW);
         let (width, height) = (columns as f64 * cell.0, TOP + rows as f64 * cell.1);
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
@@ -165,7 +198,7 @@ impl Chart {
         self.legend(&mut svg);
         for (index, panel) in self.panels.iter().enumerate() {
             let (row, column) = ((index / columns) as f64, (index % columns) as f64);
-            panel.draw(&mut svg, (column * cell.0 + LEFT, TOP + row * cell.1 + ABOVE));
+            panel.draw(&mut svg, (column * cell.0 + LEFT, TOP + row * cell.1 + ABOVE), self.panel);
         }
         svg + "</svg>\n"
     }
@@ -179,18 +212,26 @@ impl Chart {
             }
         }
         let mut x = LEFT;
-        for Curve { name, ink, dashed, .. } in named {
-            let dash = if *dashed { r#" stroke-dasharray="6 4""# } else { "" };
-            let _ = writeln!(
-                svg,
-                r#"<line x1="{x:.1}" y1="68" x2="{:.1}" y2="68" stroke="{}" stroke-width="2"{dash}/>"#,
-                x + 26.0,
-                INKS[ink % INKS.len()]
-            );
+        for Curve { name, ink, stroke, .. } in named {
+            let ink = INKS[ink % INKS.len()];
+            if *stroke == Stroke::Dots {
+                dot(svg, (x + 13.0, 68.0), ink);
+            } else {
+                let _ = writeln!(
+                    svg,
+                    r#"<line x1="{x:.1}" y1="68" x2="{:.1}" y2="68" stroke="{ink}" stroke-width="2"{}/>"#,
+                    x + 26.0,
+                    stroke.dash()
+                );
+            }
             text(svg, (x + 33.0, 72.0), "start", 12.0, "#1f2937", name);
             x += 33.0 + LETTER * name.chars().count() as f64 + 22.0;
         }
     }
+}
+
+fn dot(svg: &mut String, (x, y): (f64, f64), ink: &str) {
+    let _ = writeln!(svg, r#"<circle cx="{x:.1}" cy="{y:.1}" r="2.2" fill="{ink}"/>"#);
 }
 
 fn line(svg: &mut String, (x1, y1): (f64, f64), (x2, y2): (f64, f64), color: &str) {

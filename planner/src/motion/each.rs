@@ -94,7 +94,7 @@ fn simplify(under_way: &UnderWay<'_>, manners: &mut [Manner], rejection: &Reject
     for (aim, manner) in under_way.aims.iter().zip(manners) {
         let apart = rejection.violations.iter().any(|violation| match violation {
             Violation::Join(JoinCheck { axis, .. }) | Violation::End(EndCheck { axis, .. }) => {
-                *axis == aim.axis
+                **axis == *aim.axis
             }
             Violation::Limit(_) => false,
         });

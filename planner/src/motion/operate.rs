@@ -129,15 +129,7 @@ impl Motion {
         let aims = self.aims(at_cycle);
         match Kind::of(self.plan()) {
             Kind::Each | Kind::Line => self.to_rest(at_cycle, &aims, motion),
-            Kind::Path => {
-                let under_way = self.under_way(at_cycle, &aims, Errand::Rest);
-                let Some(planned) = each::planned(&under_way)? else {
-                    return Ok(self.noted(at_cycle, motion));
-                };
-                let Proved { plan, beyond } = planned.proved;
-                let spliced = self.spliced(at_cycle, motion, plan, None, beyond)?;
-                Ok(Spliced { on_path: false, ..spliced })
-            }
+            Kind::Path => self.rest_beside(at_cycle, &aims, motion),
         }
     }
 

@@ -68,17 +68,23 @@ impl Motion {
                 let spliced = running.at_rate(self, at_cycle, at, rate, &motion)?;
                 Ok(spliced.unwrap_or_else(|| running.goes_on(self, at_cycle, motion)))
             }
-            None if rate == 0.0 => self.rest_beside(at_cycle, motion),
+            None if rate == 0.0 => {
+                let aims = self.aims(at_cycle);
+                let base = Some(Arc::new(aimed(self.plan(), &aims)?));
+                self.rest_beside(at_cycle, &aims, Self { base, law: None, ..motion })
+            }
             None => self.anew(at_cycle, &self.aims(at_cycle), motion),
         }
     }
 
-    /// Each axis stops fastest, and the path is left.
-    fn rest_beside(&self, at_cycle: u64, motion: Self) -> Result<Spliced, Refused> {
-        let aims = self.aims(at_cycle);
-        let base = Some(Arc::new(aimed(self.plan(), &aims)?));
-        let motion = Self { base, law: None, ..motion };
-        let under_way = self.under_way(at_cycle, &aims, Errand::Rest);
+    /// Each axis stops fastest, and the path is left. `motion` has what is gone on with, if anything is.
+    pub(super) fn rest_beside(
+        &self,
+        at_cycle: u64,
+        aims: &[AxisPlan],
+        motion: Self,
+    ) -> Result<Spliced, Refused> {
+        let under_way = self.under_way(at_cycle, aims, Errand::Rest);
         let Some(planned) = each::planned(&under_way)? else { return Ok(self.noted(at_cycle, motion)) };
         let Proved { plan, beyond } = planned.proved;
         let spliced = self.spliced(at_cycle, motion, plan, None, beyond)?;
@@ -175,7 +181,7 @@ impl Running {
         if retiming.reached().is_none() && rate < now.velocity {
             return Ok(None);
         }
-        let (plan, law) = (retiming.plan().clone(), retiming.law().clone());
+        let (plan, law) = retiming.into_parts();
         let closes = closes(self.base.plan(), &law);
         let (base, law) = (Some(Arc::clone(&self.base)), Some(Arc::new(law)));
         let motion = Motion { base, law, ..motion.clone() };

@@ -64,7 +64,7 @@ impl From<Objection> for Refused {
         });
         match left {
             Some(LimitCheck { axis, limit, extremum, at_time, .. }) => Self::PositionLimit {
-                axis: axis.clone(),
+                axis: axis.to_string(),
                 reached: *extremum,
                 time: *at_time,
                 allowed: *limit,

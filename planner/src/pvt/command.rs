@@ -96,30 +96,38 @@ impl Command {
         nearest
     }
 
-    /// The end velocity nearest to the one asked for with which the displacement is reached; where none does, the one that
-    /// comes nearest.
-    pub(super) fn velocity_for_position(&self, lanes: &Lanes) -> f64 {
-        let mut best = (f64::INFINITY, f64::INFINITY, self.start);
+    /// The end velocity nearest to the one asked for with which the displacement is reached, and what is reached with it; where none
+    /// reaches it, the one that comes nearest. `known` is what is reached with the one asked for, in one of the lanes.
+    pub(super) fn velocity_for_position<'a>(
+        &self,
+        lanes: &'a Lanes,
+        known: Option<Reach<'a>>,
+    ) -> Option<(f64, Reach<'a>)> {
+        let mut best: Option<(f64, f64, f64, Reach<'a>)> = None;
         for lane in lanes.from(self.start) {
             let wanted = lane.nearest(self.start, self.end, self.duration);
-            let command = Self { end: wanted, ..*self };
-            let Some(reach) = command.reach(lane) else { continue };
+            let is_known =
+                |known: &Reach<'_>| core::ptr::eq(known.lane, lane) && wanted.to_bits() == self.end.to_bits();
+            let reach = known.filter(is_known).or_else(|| (Self { end: wanted, ..*self }).reach(lane));
+            let Some(reach) = reach else { continue };
             let short = reach.short_of(self.displacement);
+            let Extremes { greatest, least } = &reach.extremes;
             let velocity = if short > 0.0 {
-                end_velocity_for(lane, self.start, wanted, self.duration, self.displacement)
+                end_velocity_for(lane, self.start, (wanted, greatest), self.duration, self.displacement)
             } else if short < 0.0 {
-                let mirror = lane.mirrored();
-                0.0 - end_velocity_for(&mirror, -self.start, -wanted, self.duration, -self.displacement)
+                let (mirror, least) = (lane.mirrored(), least.mirrored());
+                let ends = (-self.start, (-wanted, &least));
+                0.0 - end_velocity_for(&mirror, ends.0, ends.1, self.duration, -self.displacement)
             } else {
                 wanted
             };
             let Some(reach) = (Self { end: velocity, ..*self }).reach(lane) else { continue };
             let (short, change) = (reach.short_of(self.displacement).abs(), (velocity - self.end).abs());
-            if short < best.0 || (short <= best.0 && change < best.1) {
-                best = (short, change, velocity);
+            if best.as_ref().is_none_or(|best| short < best.0 || (short <= best.0 && change < best.1)) {
+                best = Some((short, change, velocity, reach));
             }
         }
-        best.2
+        best.map(|(_, _, velocity, reach)| (velocity, reach))
     }
 
     /// The first duration from the one asked for on in which everything else can be met \[s\]; none where the displacement

@@ -3,7 +3,7 @@
 
 use super::lane::Lane;
 use crate::float::{largest, least, sqrt};
-use crate::roots::sign_change;
+use crate::roots::{sign_change, sign_change_within};
 use crate::solve::ramp::{Ramp, reaches};
 
 /// A ramp to the turn, a cruise there, a ramp to the end.
@@ -22,7 +22,7 @@ pub(super) struct Extreme {
 }
 
 impl Extreme {
-    fn mirrored(self) -> Self {
+    pub(super) fn mirrored(self) -> Self {
         Self { turn: -self.turn, displacement: -self.displacement, ..self }
     }
 
@@ -89,8 +89,14 @@ fn growth(lane: &Lane, start: f64, end: f64, extreme: &Extreme) -> f64 {
 }
 
 /// The end velocity in `from ..= lane.greatest` nearest to `from` whose greatest displacement in `duration` is
-/// `displacement`, which `from` falls short of; the greatest that can be reached at all where none is.
-pub(super) fn end_velocity_for(lane: &Lane, start: f64, from: f64, duration: f64, displacement: f64) -> f64 {
+/// `displacement`, which `from`, with the extreme `at_from`, falls short of; the greatest that can be reached at all where none is.
+pub(super) fn end_velocity_for(
+    lane: &Lane,
+    start: f64,
+    (from, at_from): (f64, &Extreme),
+    duration: f64,
+    displacement: f64,
+) -> f64 {
     let room = largest(0.0, lane.nearest(start, lane.greatest, duration) - from);
     let value_and_slope = |more: f64| {
         let extreme = farthest(lane, start, from + more, duration);
@@ -98,13 +104,15 @@ pub(super) fn end_velocity_for(lane: &Lane, start: f64, from: f64, duration: f64
     };
     // The displacement grows all the way, more and more slowly, so Newton's step falls short. Twice that is a bracket near the
     // root, which is closed in on relative to its upper end; where the whole room is short too, nothing reaches.
-    let (value, slope) = value_and_slope(0.0);
+    let (value, slope) = (at_from.displacement - displacement, growth(lane, start, from, at_from));
     let step = 2.0 * -value / slope;
     let mut to = if step > 0.0 && step < room { step } else { room };
-    while to < room && value_and_slope(to).0 < 0.0 {
+    let mut at_to = farthest(lane, start, from + to, duration).displacement - displacement;
+    while to < room && at_to < 0.0 {
         to = least(room, 2.0 * to);
+        at_to = farthest(lane, start, from + to, duration).displacement - displacement;
     }
-    from + sign_change(0.0, to, value_and_slope).unwrap_or(to)
+    from + sign_change_within((0.0, to), (value, at_to), value_and_slope).unwrap_or(to)
 }
 
 /// The least time from `duration` on in which the greatest displacement is `displacement`, of which it falls short at

@@ -6,7 +6,7 @@ use super::{PvtPolicy, PvtRegion, pieces};
 use crate::classify::Classification;
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::largest;
-use crate::limits::not_finite;
+use crate::limits::{is_number, not_finite};
 use crate::problem::within_limits;
 use crate::{Adjustment, AdjustmentReason, Limits, Move, Quantity, Setpoint, State};
 
@@ -120,10 +120,8 @@ impl PvtPlanner {
     /// range on its way. The axis then stays where it was: its next command begins there.
     pub fn command(&mut self, target: PvtTarget) -> Result<PvtMove, InvalidFields> {
         let PvtTarget { position, velocity, duration } = target;
-        // Nothing that succeeds builds a list.
-        let fits = duration > 0.0
-            && not_finite(duration).is_none()
-            && wrong_point(position, velocity, self.axis.limits()).next().is_none();
+        // What fits, as most does, is told without the words for what does not.
+        let fits = duration > 0.0 && is_number(duration) && fits(position, velocity, self.axis.limits());
         if !fits {
             return Err(wrong_target(&target, self.axis.limits()));
         }
@@ -165,6 +163,15 @@ pub(super) fn note_start(invalid: &mut InvalidFields, start: &State, limits: &Li
         inner.note(name, not_finite(value));
     }
     invalid.extend_within(&Field::named("start"), inner);
+}
+
+/// Has [`wrong_point`] nothing to say?
+fn fits(position: f64, velocity: f64, limits: &Limits) -> bool {
+    is_number(position)
+        && position >= limits.min_position()
+        && position <= limits.max_position()
+        && velocity.abs() <= limits.cruise_towards(velocity)
+        && is_number(velocity)
 }
 
 /// What is wrong with a position and a velocity to be at.
@@ -253,21 +260,23 @@ impl Axis {
         time_rounding: f64,
     ) -> Result<(), Refusal> {
         let asked = Self::command(start, target, time_rounding);
-        let nearest = asked
-            .nearest(&self.lanes)
-            .filter(|reach| policy == PvtPolicy::PreferVelocity || reach.short_of(asked.displacement) == 0.0);
-        match nearest {
-            Some(reach) => self.lay(planned, &asked, &asked, &reach, start, target),
-            None => self.adjust(planned, &asked, start, target, policy)?,
+        match asked.nearest(&self.lanes) {
+            Some(reach)
+                if policy == PvtPolicy::PreferVelocity || reach.short_of(asked.displacement) == 0.0 =>
+            {
+                self.lay(planned, &asked, &asked, &reach, start, target);
+            }
+            nearest => self.adjust(planned, &asked, nearest, start, target, policy)?,
         }
         self.within_range(planned, start)
     }
 
-    /// The motion for a command that cannot be met, with time enough for the velocity or without.
+    /// The motion for a command that cannot be met, with time enough for the velocity, in which `nearest` is reached, or without.
     fn adjust(
         &self,
         planned: &mut PvtMove,
         asked: &Command,
+        nearest: Option<Reach<'_>>,
         start: State,
         target: &PvtTarget,
         policy: PvtPolicy,
@@ -275,7 +284,17 @@ impl Axis {
         let Self { lanes, .. } = self;
         let command = match policy {
             PvtPolicy::PreferVelocity => Command { end: asked.nearest_velocity(lanes), ..*asked },
-            PvtPolicy::PreferPosition => Command { end: asked.velocity_for_position(lanes), ..*asked },
+            PvtPolicy::PreferPosition => {
+                let best = asked.velocity_for_position(lanes, nearest);
+                let end = best.as_ref().map_or(asked.start, |(velocity, _)| *velocity);
+                let command = Command { end, ..*asked };
+                // Of several lanes another may reach it too, and comes first.
+                if let Some((_, reach)) = best.filter(|_| lanes.are_one()) {
+                    self.lay(planned, asked, &command, &reach, start, target);
+                    return Ok(());
+                }
+                command
+            }
             PvtPolicy::ExtendTime => {
                 let duration = asked.extended(lanes).ok_or_else(|| self.refusal(asked, start))?;
                 Command { duration, ..*asked }

@@ -63,6 +63,11 @@ impl Retiming {
         &self.law
     }
 
+    /// Plan and law, for who goes on with them.
+    pub(crate) fn into_parts(self) -> (Accepted, TimeLaw) {
+        (self.plan, self.law)
+    }
+
     /// When path time has the rate that was asked for \[s\]; `None` where the path ends before.
     #[must_use]
     pub fn reached(&self) -> Option<f64> {

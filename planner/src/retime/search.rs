@@ -207,10 +207,10 @@ impl Search<'_> {
             }
             let next = match self.bounds(&state, rate) {
                 // It could hardly rest before `limit` if it began here.
-                Ok(_) if rests && NEAR * (wait + self.least_stop(&state)) >= limit => {
+                Ok((_, stop)) if rests && NEAR * (wait + stop) >= limit => {
                     self.next_beginning(lead, wait, 0.0)
                 }
-                Ok(bounds) => {
+                Ok((bounds, _)) => {
                     if let Some((duration, ramp)) =
                         self.ramp(state, rate, bounds, limit - wait, best.is_some())
                     {
@@ -227,23 +227,21 @@ impl Search<'_> {
         best
     }
 
-    /// No axis at speed rests sooner, whatever the path \[s\].
-    fn least_stop(&self, state: &State) -> f64 {
-        self.axes.iter().map(|axis| axis.least_stop(*state)).fold(0.0, largest)
-    }
-
-    /// What all axes have left at the beginning of a ramp from `state` to `rate`, for its slope and its third derivative; or how far
-    /// it is on the path to where one may have something left.
-    fn bounds(&self, state: &State, rate: f64) -> Result<(f64, f64), f64> {
+    /// What all axes have left at the beginning of a ramp from `state` to `rate`, for its slope and its third derivative, and before when
+    /// no axis at speed rests, whatever the path \[s\]; or how far it is on the path to where one may have something left.
+    fn bounds(&self, state: &State, rate: f64) -> Result<((f64, f64), f64), f64> {
         let direction = if rate < state.velocity { -1.0 } else { 1.0 };
-        let (mut slope, mut third, mut stuck) = (f64::INFINITY, f64::INFINITY, 0.0);
+        let (mut slope, mut third, mut stop, mut stuck) = (f64::INFINITY, f64::INFINITY, 0.0, 0.0);
         for axis in &self.axes {
             match axis.beginning(*state, direction) {
-                Ok((by_slope, by_third)) => (slope, third) = (least(slope, by_slope), least(third, by_third)),
+                Ok(room) => {
+                    (slope, third) = (least(slope, room.slope), least(third, room.third));
+                    stop = largest(stop, axis.least_stop(room.speed));
+                }
                 Err(rest) => stuck = largest(stuck, rest),
             }
         }
-        if stuck > 0.0 { Err(stuck) } else { Ok((slope, third)) }
+        if stuck > 0.0 { Err(stuck) } else { Ok(((slope, third), stop)) }
     }
 
     /// The shortest ramp that was found from `from` to `rate`, shorter than `limit` seconds, and how long it takes. Where one of
@@ -269,7 +267,7 @@ impl Search<'_> {
             let mut too_short = least;
             let mut found = if known {
                 let time = limit / NEAR;
-                if time <= least { None } else { self.fitting(&shape, time).ok().map(|ramp| (time, ramp)) }
+                if time <= least { None } else { self.accepted(&shape, time).map(|ramp| (time, ramp)) }
             } else {
                 self.stretched(&shape, least, limit, &mut too_short)
             };
@@ -280,12 +278,12 @@ impl Search<'_> {
                         break;
                     }
                     let middle = 0.5 * (too_short + time);
-                    match self.fitting(&shape, middle) {
-                        Ok(ramp) => {
+                    match self.accepted(&shape, middle) {
+                        Some(ramp) => {
                             time = middle;
                             found = Some((time, ramp));
                         }
-                        Err(_) => too_short = middle,
+                        None => too_short = middle,
                     }
                 }
             }
@@ -327,11 +325,28 @@ impl Search<'_> {
         }
     }
 
+    /// The ramp of a shape in `time` seconds, if it keeps the limits.
+    fn accepted(&self, shape: &Shape, time: f64) -> Option<Ramp> {
+        let ramp = shape.ramp(time)?;
+        let refuses = |index: &usize| !self.axes[*index].accepts(&ramp, &self.care);
+        match self.strictest_first().find(refuses) {
+            Some(index) => {
+                self.strictest.set(index);
+                None
+            }
+            None => Some(ramp),
+        }
+    }
+
+    /// The one that broke a limit last, and then the others.
+    fn strictest_first(&self) -> impl Iterator<Item = usize> + use<> {
+        let strictest = self.strictest.get();
+        core::iter::once(strictest).chain((0..self.axes.len()).filter(move |&index| index != strictest))
+    }
+
     /// That of the first axis that has one; the one that had the last is asked first.
     fn objection(&self, ramp: &Ramp) -> Option<f64> {
-        let strictest = self.strictest.get();
-        let others = (0..self.axes.len()).filter(|&index| index != strictest);
-        for index in core::iter::once(strictest).chain(others) {
+        for index in self.strictest_first() {
             let objection = self.axes[index].objection(ramp, &self.care);
             if objection.is_some() {
                 self.strictest.set(index);

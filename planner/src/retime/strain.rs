@@ -2,10 +2,10 @@
 //! word.
 
 use super::extremes::Extremes;
-use super::span::Ramp;
+use super::span::{Ramp, Span};
 use super::walk::{Stretch, Walk};
 use crate::float::{largest, least, sqrt};
-use crate::{AxisPlan, Law, Profile, Quantity, Setpoint, State};
+use crate::{AxisPlan, Profile, Quantity, Setpoint, State};
 
 /// How near a ramp is looked at.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +24,20 @@ const PART: f64 = 0.125;
 
 /// Many times too much: there is hardly anything left of the limit.
 const TOO_MUCH: f64 = 1e6;
+
+/// What an axis has left at a place, and how fast it is there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Room {
+    /// For the slope of the rate \[1/s\], infinite where the path stands still; likewise for its third derivative \[1/s²\].
+    pub(super) slope: f64,
+    pub(super) third: f64,
+    /// At the rate of path time [axis units/s], a magnitude.
+    pub(super) speed: f64,
+}
+
+impl Room {
+    const FREE: Self = Self { slope: f64::INFINITY, third: f64::INFINITY, speed: 0.0 };
+}
 
 /// One axis's path and what it may do there.
 #[derive(Clone, Copy, Debug)]
@@ -58,13 +72,12 @@ impl<'a> AxisPath<'a> {
     /// What the axis has left for a slope and a third derivative in `direction` at a place and rate: the bounds that just use it
     /// up, infinite where the path stands still. Where nothing is left, how far it is on the path to where that may change
     /// \[s of path time\].
-    pub(super) fn beginning(&self, now: State, direction: f64) -> Result<(f64, f64), f64> {
-        const FREE: (f64, f64) = (f64::INFINITY, f64::INFINITY);
+    pub(super) fn beginning(&self, now: State, direction: f64) -> Result<Room, f64> {
         let (piece, from) = self.path.place_of(now.position);
-        let Some(segment) = self.path.segments().get(piece) else { return Ok(FREE) };
-        let along = Along::of(segment.at(from), now.velocity);
+        let Some(duration) = self.path.piece_duration(piece) else { return Ok(Room::FREE) };
+        let along = Along::of(self.path.piece_at(piece, from), now.velocity);
         if along.speed == 0.0 {
-            return Ok(FREE);
+            return Ok(Room::FREE);
         }
         let limit = if direction > 0.0 { self.acceleration } else { self.deceleration };
         let mut acceleration = limit - direction * along.acceleration;
@@ -74,18 +87,18 @@ impl<'a> AxisPath<'a> {
             acceleration = acceleration.max(limit);
         }
         if acceleration <= SLACK * limit || jerk <= SLACK * self.jerk {
-            let rest = segment.duration - from;
+            let rest = duration - from;
             // A constant jerk stays what it is to the end of the piece, and so does an acceleration without.
-            let changes = matches!(segment.law, Law::Polynomial(_));
-            return Err(if changes { least(rest, segment.duration * PART) } else { rest });
+            let changes = self.path.constant_jerk(piece).is_none();
+            return Err(if changes { least(rest, duration * PART) } else { rest });
         }
-        Ok((acceleration / along.speed, jerk / along.speed))
+        let Along { speed, .. } = along;
+        Ok(Room { slope: acceleration / speed, third: jerk / speed, speed: speed * now.velocity })
     }
 
-    /// No motion within the limits rests sooner than this \[s\], on the path or off it, whatever acceleration it has already: the last
-    /// of it sheds its deceleration, D, at J, and what is faster than that sheds, D²/2J, was slowed at D.
-    pub(super) fn least_stop(&self, now: State) -> f64 {
-        let speed = self.path.at(now.position).state.velocity.abs() * now.velocity;
+    /// No motion within the limits rests sooner from `speed` \[axis units/s\] than this \[s\], on the path or off it, whatever acceleration it
+    /// has already: the last of it sheds its deceleration, D, at J, and what is faster than that sheds, D²/2J, was slowed at D.
+    pub(super) fn least_stop(&self, speed: f64) -> f64 {
         let (hardest, jerk) = (self.deceleration, self.jerk);
         let shed = hardest / jerk;
         if 2.0 * speed <= hardest * shed { sqrt(2.0 * speed / jerk) } else { speed / hardest + 0.5 * shed }
@@ -104,17 +117,14 @@ impl<'a> AxisPath<'a> {
         let Care { looks, reserve } = *care;
         let first = ramp.spans.first()?;
         for Stretch { piece, from, span } in Walk::new(self.path, &ramp.spans, first.start.position, false) {
-            let segment = self.path.segment(piece);
             let step = span.duration / f64::from(looks);
+            if self.surely_keeps(piece, from, &span, care) {
+                continue;
+            }
             let mut worst = 1.0;
             for look in 0..=looks {
                 let now = span.at(f64::from(look) * step);
-                let setpoint = match &segment.law {
-                    Law::ConstantJerk(jerk) => {
-                        Setpoint { state: segment.start.after(*jerk, from + now.position), jerk: *jerk }
-                    }
-                    Law::Polynomial(_) | Law::CosineJerk { .. } => segment.at(from + now.position),
-                };
+                let setpoint = self.path.piece_at(piece, from + now.position);
                 worst =
                     largest(worst, self.asks(&Along::of(setpoint, now.velocity), &now, span.third, reserve));
             }
@@ -123,6 +133,68 @@ impl<'a> AxisPath<'a> {
             }
         }
         None
+    }
+
+    /// Has [`Self::objection`] none? Without saying by how much.
+    pub(super) fn accepts(&self, ramp: &Ramp, care: &Care) -> bool {
+        let Care { looks, reserve } = *care;
+        let Some(first) = ramp.spans.first() else { return true };
+        let mut walk = Walk::new(self.path, &ramp.spans, first.start.position, false);
+        walk.all(|Stretch { piece, from, span }| {
+            if self.path.constant_jerk(piece).is_some() {
+                return self.surely_keeps(piece, from, &span, care);
+            }
+            let step = span.duration / f64::from(looks);
+            (0..=looks).all(|look| {
+                let now = span.at(f64::from(look) * step);
+                let along = Along::of(self.path.piece_at(piece, from + now.position), now.velocity);
+                self.asks(&along, &now, span.third, reserve) <= 1.0
+            })
+        })
+    }
+
+    /// Are the limits kept at all looks on a stretch whose jerk is constant? Of others nothing is said.
+    #[inline]
+    fn surely_keeps(&self, piece: usize, from: f64, span: &Span, care: &Care) -> bool {
+        let Some((_, start, jerk)) = self.path.constant_jerk(piece) else { return false };
+        let Care { looks, reserve } = *care;
+        let step = span.duration / f64::from(looks);
+        let stretch = Steady { start: &start, jerk, from, span, step };
+        match looks {
+            ..=4 => self.keeps::<6>(&stretch, f64::from(looks), reserve),
+            5..=8 => self.keeps::<10>(&stretch, f64::from(looks), reserve),
+            9..=16 => self.keeps::<18>(&stretch, f64::from(looks), reserve),
+            _ => self.keeps::<34>(&stretch, f64::from(looks), reserve),
+        }
+    }
+
+    /// Are the limits kept at all looks on a stretch? What [`Self::asks`] tells in the same numbers, but not by how much they are not; without
+    /// a branch, so that instants are looked at two at a time: an even number of `LOOKS`, of which those after the `last` are its
+    /// repetition.
+    #[inline]
+    fn keeps<const LOOKS: usize>(&self, stretch: &Steady<'_>, last: f64, reserve: f64) -> bool {
+        let Steady { start, jerk, from, span, step } = *stretch;
+        let more = 1.0 + reserve;
+        let within = |limit: f64| (1.0 + SLACK) * limit;
+        let (speeding, slowing, jerks) =
+            (within(self.acceleration), within(self.deceleration), within(self.jerk));
+        let standing = largest(speeding, slowing);
+        let mut kept = [true; LOOKS];
+        for (look, kept) in kept.iter_mut().enumerate() {
+            let now = span.at(least(look as f64, last) * step);
+            let state = start.after(jerk, from + now.position);
+            let bend = state.acceleration * now.velocity;
+            let taken = bend * now.velocity;
+            let by_slope = state.velocity * now.acceleration;
+            let by_third = 3.0 * bend * now.acceleration + state.velocity * span.third;
+            let changes = (taken + by_slope) * if state.velocity < 0.0 { -1.0 } else { 1.0 };
+            let limit = if changes > 0.0 { speeding } else { slowing };
+            let limit = if state.velocity == 0.0 { standing } else { limit };
+            let bent = jerk * now.velocity * now.velocity * now.velocity + more * by_third;
+            // False for NaN.
+            *kept = ((taken + more * by_slope).abs() <= limit) & (bent.abs() <= jerks);
+        }
+        kept.iter().fold(true, |all, kept| all & kept)
     }
 
     /// What a ramp is to be stretched by to keep the limits at one instant; 1 or less where it does. Its slope falls with its length,
@@ -157,6 +229,18 @@ fn excess(taken: f64, more: f64, limit: f64, reserve: f64) -> f64 {
     let left = if all > 0.0 { limit - taken } else { limit + taken };
     let excess = (1.0 + reserve) * more.abs() / left;
     if excess > 1.0 && excess < TOO_MUCH { excess } else { TOO_MUCH }
+}
+
+/// A stretch on which the jerk of the path is constant.
+struct Steady<'a> {
+    /// Of the piece.
+    start: &'a State,
+    jerk: f64,
+    /// Where in the piece it begins \[s of path time\].
+    from: f64,
+    span: &'a Span,
+    /// From one look to the next \[s\].
+    step: f64,
 }
 
 /// A setpoint of the path at a rate, the travel counted positive.

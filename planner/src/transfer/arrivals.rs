@@ -42,6 +42,13 @@ pub struct Arrivals {
 }
 
 impl Arrivals {
+    /// The least, and everything from another on.
+    pub(super) fn from_both(least: f64, from: f64) -> Self {
+        let blocked = Some(Blocked { after: least, before: from });
+        let blocked = blocked.filter(|blocked| blocked.before - blocked.after > SLIVER * blocked.before);
+        Self { least, blocked: blocked.into_iter().collect() }
+    }
+
     /// The least duration \[s\].
     #[must_use]
     pub fn least(&self) -> f64 {

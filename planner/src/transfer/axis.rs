@@ -173,7 +173,12 @@ impl<'a> AxisTransfer<'a> {
     pub(crate) fn arrivals_from(&self, least: f64) -> Result<Arrivals, InvalidFields> {
         let transfer = match self.within {
             Within::Bounds(transfer) => transfer,
-            Within::Limits { start, goal, limits } => mapped::lower(start, goal, limits)?,
+            Within::Limits { start, goal, limits } => {
+                if let Some(by_rest) = mapped::by_way_of_rest(start, goal, limits) {
+                    return Ok(Arrivals::from_both(least, by_rest.duration()));
+                }
+                mapped::lower(start, goal, limits)?
+            }
         };
         Ok(Timed::of(&transfer).arrivals(least))
     }

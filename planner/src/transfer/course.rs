@@ -5,8 +5,9 @@ use super::bounds::{Bounds, BoundsSpec};
 use super::ends::Phases;
 use super::lead_in::LeadIn;
 
-/// The most pieces of a motion between two states: two to lead a start back into its limits, and nine.
-pub const MAX_TRANSIT_PIECES: usize = 11;
+/// The most pieces of a motion between two states: two to lead a start back into its limits, and seven to rest, a wait there, and three to the
+/// goal. Of all others nine follow the first two.
+pub const MAX_TRANSIT_PIECES: usize = 13;
 
 /// The jerk of each phase, of the limit.
 pub(super) const SIGNS: Phases = [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0];

@@ -13,11 +13,13 @@
 use super::axis::AxisTransfer;
 use super::bounds::{Bounds, BoundsSpec};
 use super::transit::Transit;
-use super::{Names, Transfer, note_goal, plan_velocity, transit_of};
+use super::{Names, Transfer, by_rest, note_goal, plan_velocity, transit_of};
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::{largest, least};
 use crate::problem::note_not_finite;
 use crate::roots::quadratic;
+use crate::segment::turning_points_of_jerk;
+use crate::solve::Piece;
 use crate::{Law, Limits, Segment, State};
 
 /// Of the hardest \[1\]: what an acceleration may be beyond its limit, since it was computed.
@@ -60,7 +62,16 @@ pub(super) fn check(start: &State, goal: &State, limits: &Limits) -> Result<(), 
 
 /// The fastest motion within limits, wherever that leads.
 pub(super) fn fastest(start: State, goal: State, limits: &Limits) -> Result<Transit, InvalidFields> {
-    shortest(limits, |bounds| transit_of(&Transfer::new(start, goal, bounds)?, &NAMES))
+    let planned = shortest(limits, |bounds| transit_of(&Transfer::new(start, goal, bounds)?, &NAMES));
+    if planned.is_err() && by_rest::is_too_hard(&goal, limits) {
+        return by_rest::motion(start, goal, limits, None).map_or(planned, Ok);
+    }
+    planned
+}
+
+/// As [`fastest`], by way of rest, where nothing else is known to lead to the goal in any longer time.
+pub(super) fn by_way_of_rest(start: State, goal: State, limits: &Limits) -> Option<Transit> {
+    by_rest::is_too_hard(&goal, limits).then(|| by_rest::motion(start, goal, limits, None)).flatten()
 }
 
 /// The motion within limits that takes `duration` \[s\]: under the lower of both limits of acceleration, which keeps them whatever it
@@ -77,7 +88,11 @@ pub(super) fn lasting(start: State, goal: State, limits: &Limits, duration: f64)
         return gently;
     }
     let both = [(up, down), (down, up)].into_iter();
-    both.filter_map(|(up, down)| planned(up, down)).find(|planned| keeps(planned, limits))
+    let each = both.filter_map(|(up, down)| planned(up, down)).find(|planned| keeps(planned, limits));
+    each.or_else(|| {
+        let by_rest = || by_rest::motion(start, goal, limits, Some(duration));
+        by_rest::is_too_hard(&goal, limits).then(by_rest).flatten()
+    })
 }
 
 /// The question under the lower of both limits of acceleration.
@@ -122,7 +137,7 @@ fn shortest(
     best
 }
 
-fn bounds(limits: &Limits, up: f64, down: f64) -> Bounds {
+pub(super) fn bounds(limits: &Limits, up: f64, down: f64) -> Bounds {
     Bounds::of(BoundsSpec {
         min_velocity: 0.0 - limits.cruise_towards(-1.0),
         max_velocity: limits.cruise_towards(1.0),
@@ -134,7 +149,7 @@ fn bounds(limits: &Limits, up: f64, down: f64) -> Bounds {
 
 /// Does the acceleration keep the limit of what it does to the speed? An acceleration at the start that is beyond it may be on its way
 /// back. A velocity that is a rounded zero goes in no direction.
-fn keeps(planned: &Transit, limits: &Limits) -> bool {
+pub(super) fn keeps(planned: &Transit, limits: &Limits) -> bool {
     let segments = planned.segments();
     let begins = segments.iter().map(|segment| segment.start.velocity.abs());
     let standstill = STANDSTILL * begins.fold(planned.end().velocity.abs(), largest);
@@ -168,11 +183,15 @@ fn standstills(segment: &Segment) -> arrayvec::ArrayVec<f64, 2> {
 
 /// Does the motion stay inside the position range? If not, where it goes farthest.
 pub(super) fn within_range(planned: &Transit, limits: &Limits) -> Result<(), InvalidFields> {
+    let spec = limits.spec();
+    if spec.min_position.is_none() && spec.max_position.is_none() {
+        return Ok(());
+    }
     let mut begin = 0.0;
     let mut farthest: Option<(f64, Why)> = None;
-    for segment in planned.segments() {
-        for t in segment.turning_points() {
-            let reached = segment.at(t).state.position;
+    for &Piece { duration, start, jerk } in planned.pieces() {
+        for t in turning_points_of_jerk::<5>(&start, jerk, duration) {
+            let reached = start.after(jerk, t).position;
             let time = begin + t;
             let rounding = 8.0 * f64::EPSILON * reached.abs();
             for (outside, allowed, limit) in [
@@ -184,7 +203,7 @@ pub(super) fn within_range(planned: &Transit, limits: &Limits) -> Result<(), Inv
                 }
             }
         }
-        begin += segment.duration;
+        begin += duration;
     }
     farthest.map_or(Ok(()), |(_, why)| Err(InvalidFields::one(Field::default(), why)))
 }

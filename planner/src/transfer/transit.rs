@@ -44,7 +44,9 @@ impl Transit {
         course: &Course,
         duration: Option<f64>,
     ) -> Result<Self, InvalidFields> {
-        let mut transit = Self { pieces: ArrayVec::new(), start, goal };
+        // Laid into the answer: to copy it costs as much as to lay two of its pieces.
+        let mut laid = Ok(Self { pieces: ArrayVec::new(), start, goal });
+        let Ok(transit) = &mut laid else { return laid };
         let (forward, backward) = course.strokes.split_at(course.anchor);
         let mut at = State { position: 0.0, ..start };
         for &Stroke { jerk, time, acceleration, velocity } in forward {
@@ -79,7 +81,18 @@ impl Transit {
             transit.last(duration);
         }
         let closed = transit.close(seam.max(1), gap, duration.is_none());
-        if closed { Ok(transit) } else { Err(too_far_apart()) }
+        if closed { laid } else { Err(too_far_apart()) }
+    }
+
+    /// One motion, a wait at rest where it ends, and another from there; none where they have too many pieces.
+    pub(super) fn joined(first: &Self, wait: f64, last: &Self) -> Option<Self> {
+        let waits = Piece { duration: wait, start: first.goal, jerk: 0.0 };
+        let waits = Some(waits).filter(|waits| waits.duration > 0.0);
+        let mut joined = Self { pieces: ArrayVec::new(), start: first.start, goal: last.goal };
+        for piece in first.pieces.iter().copied().chain(waits).chain(last.pieces.iter().copied()) {
+            joined.pieces.try_push(piece).ok()?;
+        }
+        Some(joined)
     }
 
     /// Closes a gap where both ends meet, which goes so far beyond, by the longest piece; says whether it could.
@@ -150,12 +163,7 @@ impl Transit {
 
     /// Makes it last `duration` \[s\], of which it is some roundings short or long.
     pub(crate) fn last(&mut self, duration: f64) {
-        let mut durations: ArrayVec<f64, MAX_TRANSIT_PIECES> =
-            self.pieces.iter().map(|piece| piece.duration).collect();
-        add_up(&mut durations, duration);
-        for (piece, duration) in self.pieces.iter_mut().zip(durations) {
-            piece.duration = duration;
-        }
+        add_up(self.pieces.iter_mut().map(|piece| &mut piece.duration), duration);
     }
 
     /// Are all of its numbers such as the planner takes? A motion is planned on from any of its states, and read back from its pieces.

@@ -198,7 +198,10 @@ impl Upper {
             (self.ends.change.velocity, self.ends.change.acceleration, self.ends.mean_acceleration());
         let sum = start.velocity + goal.velocity;
         let offset = -self.way - step * step * step / 12.0;
-        let skew = |y: f64| (change - mean * (2.0 * y + step)) / y;
+        // On a last flank the velocity changes as under constant jerk and `y` is next to nothing: what the sum rounds away over `y` would
+        // be more than `κ/y` itself.
+        let level = self.ends.peak_excess() == 0.0;
+        let skew = |y: f64| if level { -2.0 * mean } else { (change - mean * (2.0 * y + step)) / y };
         let value_and_slope = |y: f64| {
             let k = skew(y);
             let (squares, level) = (y * y, step * step + k * k);

@@ -1,6 +1,6 @@
 //! What the judge says of a motion, quantity by quantity.
 
-use alloc::string::String;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::LIMIT_TOLERANCE;
@@ -21,8 +21,8 @@ pub struct Certificate {
 /// The extreme of one quantity on one axis, against its limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitCheck {
-    /// The axis.
-    pub axis: String,
+    /// The axis; one name for all that is said of it.
+    pub axis: Arc<str>,
     /// The quantity.
     pub quantity: Quantity,
     /// The limit that is nearest to being broken [unit of the quantity]: a magnitude, but for positions.
@@ -43,8 +43,8 @@ pub struct LimitCheck {
 /// The worst jump of one quantity where pieces join.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JoinCheck {
-    /// The axis.
-    pub axis: String,
+    /// The axis; one name for all that is said of it.
+    pub axis: Arc<str>,
     /// The quantity.
     pub quantity: Quantity,
     /// The jump [unit of the quantity], a magnitude.
@@ -60,8 +60,8 @@ pub struct JoinCheck {
 /// How far the last piece ends from the state that is to be reached.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EndCheck {
-    /// The axis.
-    pub axis: String,
+    /// The axis; one name for all that is said of it.
+    pub axis: Arc<str>,
     /// The quantity.
     pub quantity: Quantity,
     /// How far [unit of the quantity], a magnitude.

@@ -1,9 +1,15 @@
 //! What a motion reaches, quantity by quantity, and what of that is nearest to its limit.
 
+use arrayvec::ArrayVec;
+
 use super::joins::fastest_join;
 use super::led_back::LedBack;
 use super::{JOIN_TOLERANCE, POSITION_ULPS, VELOCITY_ULPS};
-use crate::{Law, Limits, MAX_ORDER, Profile, Segment, Setpoint, State};
+use crate::segment::turning_points_of_jerk;
+use crate::{Limits, MAX_ORDER, Profile, Segment, Setpoint, State};
+
+/// Both ends of a piece of constant jerk, the zeros of its acceleration and its velocity, and the deadlines of both.
+const JERK_TIMES: usize = 9;
 
 /// The value of a quantity that is nearest to breaking its limit, or farthest beyond it.
 #[derive(Clone, Copy, Debug)]
@@ -83,7 +89,11 @@ impl Extremes {
         };
         // By index: to hand each piece from iterator to iterator costs more than to judge it.
         for (index, &begin) in profile.begins().iter().enumerate() {
-            extremes.see_segment(begin, &profile.segment(index), limits, highest);
+            if let Some((duration, start, jerk)) = profile.constant_jerk(index) {
+                extremes.see_jerk(begin, (duration, start, jerk), limits, highest);
+            } else {
+                extremes.see_segment(begin, &profile.segment(index), limits, highest);
+            }
         }
         if profile.segments().is_empty() {
             extremes.see_setpoint(0.0, Setpoint::held(start), start.velocity, limits);
@@ -97,34 +107,66 @@ impl Extremes {
         extremes
     }
 
+    /// A piece of constant jerk: its duration, its start, and the jerk.
+    fn see_jerk(
+        &mut self,
+        begin: f64,
+        (duration, start, jerk): (f64, State, f64),
+        limits: &Limits,
+        highest: usize,
+    ) {
+        let mut times = turning_points_of_jerk(&start, jerk, duration);
+        self.add_deadlines::<JERK_TIMES>(&mut times, begin, duration, limits);
+        self.see_turns(begin, &times, |t| Setpoint { state: start.after(jerk, t), jerk }, limits);
+        for order in 4..=highest {
+            let limit = limits.higher(order).unwrap_or_default();
+            self.higher[order - 4].see_magnitude(0.0, limit, begin);
+        }
+    }
+
     fn see_segment(&mut self, begin: f64, segment: &Segment, limits: &Limits, highest: usize) {
         let mut times = segment.turning_points();
-        let inside = |t: &f64| *t > 0.0 && *t < segment.duration;
-        // Of constant jerk there are few of the others.
-        for t in self.led_back.deadlines(limits).map(|deadline| deadline - begin).filter(inside) {
-            let _full = times.try_push(t);
-            times.sort_unstable_by(f64::total_cmp);
-        }
-        let mut ends = times.iter().map(|&t| (t, segment.at(t)));
-        let Some((mut from, mut before)) = ends.next() else { return };
-        for (to, after) in ends {
-            // Between two turning points velocity keeps its sign, which tells speeding up from slowing down.
-            let velocity = segment.at(0.5 * (from + to)).state.velocity;
-            self.see_setpoint(begin + from, before, velocity, limits);
-            self.see_setpoint(begin + to, after, velocity, limits);
-            (from, before) = (to, after);
-        }
+        self.add_deadlines(&mut times, begin, segment.duration, limits);
+        self.see_turns(begin, &times, |t| segment.at(t), limits);
         if highest < 4 {
             return;
         }
-        let constant = matches!(segment.law, Law::ConstantJerk(_));
-        for &t in if constant { &times[..1] } else { &times[..] } {
+        for &t in &times {
             let all = segment.derivatives(t);
             for (order, &value) in all.iter().enumerate().take(highest + 1).skip(4) {
                 let limit = limits.higher(order).unwrap_or_default();
                 self.higher[order - 4].see_magnitude(value, limit, begin + t);
                 self.hardest[order] = self.hardest[order].max(value.abs());
             }
+        }
+    }
+
+    /// Adds the instants from which something is held to its limit again; there are few.
+    #[inline]
+    fn add_deadlines<const ROOM: usize>(
+        &self,
+        times: &mut ArrayVec<f64, ROOM>,
+        begin: f64,
+        duration: f64,
+        limits: &Limits,
+    ) {
+        let inside = |t: &f64| *t > 0.0 && *t < duration;
+        for t in self.led_back.deadlines(limits).map(|deadline| deadline - begin).filter(inside) {
+            let _full = times.try_push(t);
+            times.sort_unstable_by(f64::total_cmp);
+        }
+    }
+
+    #[inline]
+    fn see_turns(&mut self, begin: f64, times: &[f64], at: impl Fn(f64) -> Setpoint, limits: &Limits) {
+        let mut ends = times.iter().map(|&t| (t, at(t)));
+        let Some((mut from, mut before)) = ends.next() else { return };
+        for (to, after) in ends {
+            // Between two turning points velocity keeps its sign, which tells speeding up from slowing down.
+            let velocity = at(0.5 * (from + to)).state.velocity;
+            self.see_setpoint(begin + from, before, velocity, limits);
+            self.see_setpoint(begin + to, after, velocity, limits);
+            (from, before) = (to, after);
         }
     }
 

@@ -15,6 +15,7 @@ mod joins;
 mod led_back;
 mod transfer;
 
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use crate::plan::{AxisPlan, Plan};
@@ -152,6 +153,7 @@ impl Certificate {
         let extremes = Extremes::of(profile, limits, highest.max(highest_joined), promise.leads_back);
         let allowed = extremes.allowed(&goal);
         let jumps = Jumps::of(profile, highest.max(highest_joined + 1), promise);
+        let axis: Arc<str> = axis.into();
 
         for (order, worst) in extremes.worst(limits, highest) {
             if order >= 4 && !asked(order) {
@@ -173,7 +175,7 @@ impl Certificate {
                 2 => extremes.led_back.acceleration_by(),
                 _ => None,
             };
-            let axis = axis.into();
+            let axis = Arc::clone(&axis);
             let check =
                 LimitCheck { axis, quantity, limit, extremum, at_time, margin, guaranteed, led_back_by };
             self.limits.push(check);
@@ -182,12 +184,12 @@ impl Certificate {
         let last = profile.segments().last().map_or(profile.end(), |last| last.end());
         let (last, end, goal) = (parts(&last), parts(&profile.end()), parts(&goal));
         for order in 0..=highest_joined {
-            let (axis, quantity, allowed) = (axis, Quantity::BY_ORDER[order], allowed[order]);
+            let (quantity, allowed) = (Quantity::BY_ORDER[order], allowed[order]);
             if order < 3 || promise.joined[order] {
                 let (worst_jump, at_time) = jumps.worst[order];
                 let (worst_jump, guaranteed) = (worst_jump.abs(), promise.joined[order]);
-                let join =
-                    JoinCheck { axis: axis.into(), quantity, worst_jump, allowed, at_time, guaranteed };
+                let axis = Arc::clone(&axis);
+                let join = JoinCheck { axis, quantity, worst_jump, allowed, at_time, guaranteed };
                 self.joins.push(join);
             }
             if order < 3 {
@@ -198,7 +200,8 @@ impl Certificate {
                 } else {
                     missed
                 };
-                self.ends.push(EndCheck { axis: axis.into(), quantity, residual, allowed });
+                let axis = Arc::clone(&axis);
+                self.ends.push(EndCheck { axis, quantity, residual, allowed });
             }
         }
     }

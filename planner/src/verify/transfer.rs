@@ -1,7 +1,7 @@
 //! The judge of motions within [`Bounds`], from any start: as [`violations`](crate::violations), from the pieces alone, and with
 //! what it lets pass where a motion begins beyond its bounds.
 
-use alloc::string::String;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use crate::{
@@ -80,7 +80,7 @@ pub fn transfer_violations(profile: &Profile, bounds: &Bounds, goal: State) -> V
     }
     let allowed = scale.allowed(max_jerk);
     const QUANTITIES: [Quantity; 3] = [Quantity::Position, Quantity::Velocity, Quantity::Acceleration];
-    let axis = String::new;
+    let axis = Arc::<str>::default;
     for ((quantity, allowed), (worst_jump, at_time)) in QUANTITIES.into_iter().zip(allowed).zip(jumps) {
         let check = JoinCheck { axis: axis(), quantity, worst_jump, allowed, at_time, guaranteed: true };
         if !check.passed() {
@@ -147,7 +147,7 @@ impl Watch {
         let Self { quantity, sign, bound, .. } = *self;
         let (worst, at_time) = self.worst?;
         let margin = (bound - worst) / bound;
-        let (axis, limit, extremum) = (String::new(), sign * bound, sign * worst);
+        let (axis, limit, extremum) = (Arc::default(), sign * bound, sign * worst);
         Some(Violation::Limit(LimitCheck {
             axis,
             quantity,

@@ -5,12 +5,15 @@
 #![allow(dead_code, reason = "each test takes what it needs")]
 
 pub(crate) mod axes;
+pub(crate) mod commands;
 pub(crate) mod motions;
 pub(crate) mod paths;
 pub(crate) mod peer;
 pub(crate) mod record;
+pub(crate) mod splices;
 pub(crate) mod states;
 pub(crate) mod transit;
+pub(crate) mod vectors;
 
 use planner::{Limits, LimitsSpec, Problem, ShortPathPolicy, State};
 use proptest::prelude::*;

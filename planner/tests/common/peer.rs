@@ -130,3 +130,13 @@ pub(crate) fn problem(random: &mut Random, draw: Draw) -> Problem {
     let limits = limits.try_into().unwrap();
     Problem::new(state(0.0, from), state(length, to), limits, ShortPathPolicy::Reject).unwrap()
 }
+
+/// The same with limits of snap and crackle that are reached about as often as the others.
+pub(crate) fn with_higher_limits(random: &mut Random, problem: &Problem) -> Problem {
+    let mut spec = problem.limits().spec().clone();
+    let snap = spec.max_jerk * spec.max_jerk / spec.max_acceleration * random.decades(0.5, 8.0);
+    spec.max_snap = Some(snap);
+    spec.max_higher_derivatives = vec![snap * snap / spec.max_jerk * random.decades(0.5, 8.0)];
+    let limits = spec.try_into().unwrap();
+    Problem::new(problem.start(), problem.goal(), limits, ShortPathPolicy::Reject).unwrap()
+}

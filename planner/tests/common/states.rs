@@ -2,7 +2,7 @@
 
 use planner::{Bounds, BoundsSpec, State, Transfer};
 
-use super::Random;
+use super::{Random, vectors};
 
 /// A question before it is checked.
 #[derive(Clone, Copy, Debug)]
@@ -10,6 +10,12 @@ pub(crate) struct Question {
     pub(crate) start: State,
     pub(crate) goal: State,
     pub(crate) bounds: BoundsSpec,
+}
+
+impl From<&vectors::Record> for Question {
+    fn from(record: &vectors::Record) -> Self {
+        Self { start: record.start(), goal: record.goal(), bounds: record.bounds() }
+    }
 }
 
 impl Question {

@@ -22,7 +22,7 @@ impl From<&Certificate> for pb::PlanCertificate {
                         led_back_by,
                     } = check;
                     wire::LimitCheck {
-                        axis: axis.clone(),
+                        axis: axis.to_string(),
                         quantity: quantity_to_wire(*quantity),
                         limit: *limit,
                         extremum: *extremum,
@@ -37,7 +37,7 @@ impl From<&Certificate> for pb::PlanCertificate {
                 .iter()
                 .map(|JoinCheck { axis, quantity, worst_jump, allowed, at_time, guaranteed }| {
                     wire::ContinuityCheck {
-                        axis: axis.clone(),
+                        axis: axis.to_string(),
                         quantity: quantity_to_wire(*quantity),
                         worst_jump: *worst_jump,
                         at_time: *at_time,
@@ -49,7 +49,7 @@ impl From<&Certificate> for pb::PlanCertificate {
             end_checks: ends
                 .iter()
                 .map(|EndCheck { axis, quantity, residual, allowed }| wire::EndCheck {
-                    axis: axis.clone(),
+                    axis: axis.to_string(),
                     quantity: quantity_to_wire(*quantity),
                     residual: *residual,
                     allowed: *allowed,
@@ -84,20 +84,35 @@ impl TryFrom<pb::PlanCertificate> for Certificate {
                 led_back_by,
             } = check;
             let quantity = quantity("limit_checks", index, given)?;
-            let check =
-                LimitCheck { axis, quantity, limit, extremum, at_time, margin, guaranteed, led_back_by };
+            let check = LimitCheck {
+                axis: axis.into(),
+                quantity,
+                limit,
+                extremum,
+                at_time,
+                margin,
+                guaranteed,
+                led_back_by,
+            };
             certificate.limits.push(check);
         }
         for (index, check) in continuity_checks.into_iter().enumerate() {
             let wire::ContinuityCheck { axis, quantity: given, worst_jump, at_time, allowed, guaranteed } =
                 check;
             let quantity = quantity("continuity_checks", index, given)?;
-            certificate.joins.push(JoinCheck { axis, quantity, worst_jump, allowed, at_time, guaranteed });
+            certificate.joins.push(JoinCheck {
+                axis: axis.into(),
+                quantity,
+                worst_jump,
+                allowed,
+                at_time,
+                guaranteed,
+            });
         }
         for (index, check) in end_checks.into_iter().enumerate() {
             let wire::EndCheck { axis, quantity: given, residual, allowed } = check;
             let quantity = quantity("end_checks", index, given)?;
-            certificate.ends.push(EndCheck { axis, quantity, residual, allowed });
+            certificate.ends.push(EndCheck { axis: axis.into(), quantity, residual, allowed });
         }
         Ok(certificate)
     }

@@ -17,6 +17,7 @@ mod rejected;
 mod request;
 mod state;
 mod stream;
+mod watched;
 
 pub use claims::misclassified;
 pub use duration::malformed_duration;

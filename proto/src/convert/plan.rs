@@ -29,7 +29,7 @@ pub fn plan_to_wire(judged: &Judged) -> pb::Plan {
 pub(super) fn plan_to_wire_by(judged: &Judged, workers: &impl Workers) -> pb::Plan {
     let mut wire = to_wire(judged.plan(), workers);
     wire.certificate = Some(judged.certificate().into());
-    wire.explanation = Some(judged.explanation().into());
+    wire.explanation = Some((&judged.explanation()).into());
     wire.fingerprint = fingerprint_by(&wire, workers).to_vec();
     wire
 }

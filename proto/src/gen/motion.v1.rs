@@ -2312,11 +2312,11 @@ pub struct WatchStreamRequest {
     /// Name of the stream. Empty: summaries of all streams that the caller may see.
     #[prost(string, tag = "1")]
     pub stream: ::prost::alloc::string::String,
-    /// Least time between two messages of a stream, > 0. Unset: 50 ms.
+    /// Least time between two messages of a stream, > 0 and at most 60 s. Unset: 50 ms.
     #[prost(message, optional, tag = "2")]
     pub period: ::core::option::Option<::prost_types::Duration>,
-    /// Most values per message, axis and column; beyond it columns are decimated, with their extremes
-    /// kept. 0: the server's default.
+    /// Most values per message, axis and column, up to 10000; beyond it columns are decimated, with
+    /// their extremes kept, of following errors first. 0: the server's default, 500.
     #[prost(uint32, tag = "3")]
     pub max_points: u32,
 }
@@ -2369,6 +2369,12 @@ pub struct WatchStreamResponse {
     /// What happened since the last message.
     #[prost(message, repeated, tag = "12")]
     pub events: ::prost::alloc::vec::Vec<StreamEvent>,
+    /// Period of the control loop, of which cycles are counts.
+    #[prost(message, optional, tag = "13")]
+    pub cycle_time: ::core::option::Option<::prost_types::Duration>,
+    /// What each axis moves in, in plan order, and with it the unit of its columns.
+    #[prost(enumeration = "AxisKind", repeated, tag = "14")]
+    pub kinds: ::prost::alloc::vec::Vec<i32>,
 }
 impl ::prost::Name for WatchStreamResponse {
     const NAME: &'static str = "WatchStreamResponse";
@@ -4122,5 +4128,95 @@ pub mod sim_axis_service_server {
     pub const SERVICE_NAME: &str = "motion.v1.SimAxisService";
     impl<T> tonic::server::NamedService for SimAxisServiceServer<T> {
         const NAME: &'static str = SERVICE_NAME;
+    }
+}
+/// What was recorded.
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct RecordingHead {
+    /// Name of the stream.
+    #[prost(string, tag = "1")]
+    pub stream: ::prost::alloc::string::String,
+    /// Who recorded: name and version of the program.
+    #[prost(string, tag = "2")]
+    pub recorded_by: ::prost::alloc::string::String,
+    /// Period of the control loop.
+    #[prost(message, optional, tag = "3")]
+    pub cycle_time: ::core::option::Option<::prost_types::Duration>,
+    /// Names of the axes in plan order.
+    #[prost(string, repeated, tag = "4")]
+    pub axes: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+}
+impl ::prost::Name for RecordingHead {
+    const NAME: &'static str = "RecordingHead";
+    const PACKAGE: &'static str = "motion.v1";
+    fn full_name() -> ::prost::alloc::string::String {
+        "motion.v1.RecordingHead".into()
+    }
+    fn type_url() -> ::prost::alloc::string::String {
+        "/motion.v1.RecordingHead".into()
+    }
+}
+/// One axis in one cycle.
+#[derive(Clone, Copy, PartialEq, ::prost::Message)]
+pub struct RecordedCycle {
+    /// Cycle of the stream.
+    #[prost(uint64, tag = "1")]
+    pub cycle: u64,
+    /// Commanded position \[u\].
+    #[prost(double, tag = "2")]
+    pub position: f64,
+    /// Commanded velocity \[u/s\].
+    #[prost(double, tag = "3")]
+    pub velocity: f64,
+    /// Commanded acceleration \[u/s^2\].
+    #[prost(double, tag = "4")]
+    pub acceleration: f64,
+    /// Commanded jerk \[u/s^3\]; at a joint, that of the segment that begins there.
+    #[prost(double, tag = "5")]
+    pub jerk: f64,
+    /// Position as the encoder tells it \[u\]. Unset: not known.
+    #[prost(double, optional, tag = "6")]
+    pub measured_position: ::core::option::Option<f64>,
+    /// Setpoint minus measured position \[u\]. Unset: not known.
+    #[prost(double, optional, tag = "7")]
+    pub following_error: ::core::option::Option<f64>,
+    /// Position of the load \[u\]. Unset: not known.
+    #[prost(double, optional, tag = "8")]
+    pub load_position: ::core::option::Option<f64>,
+    /// How late the cycle began \[ns\]. Unset: not known.
+    #[prost(sint32, optional, tag = "9")]
+    pub cycle_jitter_ns: ::core::option::Option<i32>,
+}
+impl ::prost::Name for RecordedCycle {
+    const NAME: &'static str = "RecordedCycle";
+    const PACKAGE: &'static str = "motion.v1";
+    fn full_name() -> ::prost::alloc::string::String {
+        "motion.v1.RecordedCycle".into()
+    }
+    fn type_url() -> ::prost::alloc::string::String {
+        "/motion.v1.RecordedCycle".into()
+    }
+}
+/// An operation, and what became of it.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct RecordedOperation {
+    /// What was asked.
+    #[prost(message, optional, tag = "1")]
+    pub operation: ::core::option::Option<Operation>,
+    /// What took effect. Unset: it was refused.
+    #[prost(message, optional, tag = "2")]
+    pub result: ::core::option::Option<OperationResult>,
+    /// Why it was refused, as a reason. Empty: it was not.
+    #[prost(string, tag = "3")]
+    pub refused: ::prost::alloc::string::String,
+}
+impl ::prost::Name for RecordedOperation {
+    const NAME: &'static str = "RecordedOperation";
+    const PACKAGE: &'static str = "motion.v1";
+    fn full_name() -> ::prost::alloc::string::String {
+        "motion.v1.RecordedOperation".into()
+    }
+    fn type_url() -> ::prost::alloc::string::String {
+        "/motion.v1.RecordedOperation".into()
     }
 }

@@ -57,8 +57,3 @@ fn overloaded() -> Rejected {
     );
     Rejected::new(Reason::Overloaded, text).with("limit", "cores").retry_after(PATIENCE)
 }
-
-/// What a later version will answer.
-fn not_implemented(what: &str, instead: &str) -> Status {
-    Rejected::new(Reason::NotImplemented, format!("{what} is not implemented: {instead}")).into()
-}

@@ -4,17 +4,18 @@ use std::time::Instant;
 
 use proto::pb;
 use proto::pb::setpoint_service_server::SetpointService;
+use proto::stream::Watch;
 use proto::{Reason, Rejected};
 use serving::{Caller, Leaving};
 use tokio::sync::mpsc;
-use tokio_stream::Stream;
 use tokio_stream::wrappers::ReceiverStream;
+use tokio_stream::{Stream, StreamExt as _};
 use tonic::{Request, Response, Status, Streaming};
 
-use super::not_implemented;
 use crate::drive;
 use crate::figures::Figures;
 use crate::streams::Streams;
+use crate::watch::{Board, Visitor, watch_all, watch_stream};
 
 /// Messages made ahead of a slow reader.
 const AHEAD: usize = 4;
@@ -23,13 +24,14 @@ const AHEAD: usize = 4;
 #[derive(Clone, Debug)]
 pub(crate) struct Setpoints {
     streams: Streams,
+    board: Board,
     served_by: String,
     leaving: Leaving,
 }
 
 impl Setpoints {
-    pub(crate) fn new(streams: Streams, served_by: String, leaving: Leaving) -> Self {
-        Self { streams, served_by, leaving }
+    pub(crate) fn new(streams: Streams, board: Board, served_by: String, leaving: Leaving) -> Self {
+        Self { streams, board, served_by, leaving }
     }
 }
 
@@ -65,10 +67,10 @@ impl SetpointService for Setpoints {
             return Err(Rejected::new(Reason::Draining, text).into());
         }
         let (sender, receiver) = mpsc::channel(AHEAD);
-        let Self { streams, served_by, leaving } = self.clone();
+        let Self { streams, board, served_by, leaving } = self.clone();
         let streams = streams.as_used_by(Caller::of(&request));
         let figures = streams.figures().clone();
-        let session = drive::drive(request.into_inner(), sender, streams, served_by, leaving);
+        let session = drive::drive(request.into_inner(), sender, (streams, board), served_by, leaving);
         self.leaving.spawn(session);
         let receiver = ReceiverStream::new(receiver);
         Ok(Response::new(Told { receiver, figures }))
@@ -90,12 +92,24 @@ impl SetpointService for Setpoints {
         Ok(Response::new(pb::ControlStreamResponse { result: Some(result.into()) }))
     }
 
-    type WatchStreamStream = ReceiverStream<Result<pb::WatchStreamResponse, Status>>;
+    type WatchStreamStream = Pin<Box<dyn Stream<Item = Result<pb::WatchStreamResponse, Status>> + Send>>;
 
     async fn watch_stream(
         &self,
-        _: Request<pb::WatchStreamRequest>,
+        request: Request<pb::WatchStreamRequest>,
     ) -> Result<Response<Self::WatchStreamStream>, Status> {
-        Err(not_implemented("WatchStream", "read the tracking of RunTracking"))
+        let caller = Caller::of(&request);
+        let watch = Watch::try_from(request.into_inner())?;
+        let (sender, receiver) = mpsc::channel(AHEAD);
+        let Self { board, leaving, .. } = self.clone();
+        let visitor = Visitor { caller, outgoing: sender, leaving };
+        // Who only looks on is nobody that the process waits for.
+        if watch.stream.is_some() {
+            tokio::spawn(watch_stream(board, watch, visitor));
+        } else {
+            tokio::spawn(watch_all(board, watch, visitor));
+        }
+        let messages = ReceiverStream::new(receiver).map(|shown| Ok(shown?.into()));
+        Ok(Response::new(Box::pin(messages)))
     }
 }

@@ -22,6 +22,8 @@ pub enum Event {
         /// The newer one.
         by: u64,
     },
+    /// Somebody has come to watch, or nobody watches any more: tracking is wanted of the axis, or not.
+    Watched(bool),
     /// This server is about to leave.
     Drain,
     /// This server leaves now.

@@ -185,6 +185,8 @@ impl Session {
                 let text = "this server has left: open the stream on another";
                 self.end(Err(Rejected::new(Reason::Draining, text)));
             }
+            Event::Watched(true) => self.tell(StreamEventKind::TrackingWanted, self.credit.executed()),
+            Event::Watched(false) => self.tell(StreamEventKind::TrackingUnwanted, self.credit.executed()),
             Event::Drain if self.drained => {}
             Event::Drain => {
                 self.drained = true;

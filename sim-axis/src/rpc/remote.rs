@@ -133,9 +133,9 @@ fn to_wire(request: TrackRequest) -> pb::RunTrackingRequest {
         settle_tolerance,
         stay_open,
         accept_unproved,
+        patience,
         // How this side is connected to is no matter of the other's.
         connect: _,
-        patience,
     } = request;
     let duration =
         |ns: i64| prost_types::Duration { seconds: ns / 1_000_000_000, nanos: (ns % 1_000_000_000) as i32 };

@@ -85,8 +85,8 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
         settle_tolerance: (settle_tolerance > 0.0).then_some(settle_tolerance),
         stay_open,
         accept_unproved,
-        connect: Connect::new(),
         patience: Duration::from_secs_f64(patience),
+        connect: Connect::new(),
     })
 }
 

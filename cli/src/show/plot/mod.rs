@@ -1,12 +1,13 @@
-//! Figures: panels over one time axis, drawn as SVG.
+//! Figures: panels over one time axis, drawn as SVG, and painted as PNG.
 //!
-//! [`figure::Figure`] says what is to be seen, `of_plan`, `of_points`, `of_tracking` and `of_comparison` make one, [`svg`] draws it.
+//! [`figure::Figure`] says what is to be seen, `of_plan`, `of_points`, `of_tracking` and `of_comparison` make one, [`write`] draws it.
 
 mod axes;
 mod comparison;
 mod figure;
 mod layout;
 mod planned;
+mod png;
 mod points;
 mod svg;
 mod tracked;
@@ -14,8 +15,21 @@ mod tracked;
 pub(crate) use comparison::of_comparison;
 pub(crate) use planned::of_plan;
 pub(crate) use points::of_points;
-pub(crate) use svg::svg;
 pub(crate) use tracked::{Tracked, of_tracking};
+
+use std::path::Path;
+
+use crate::failure::Failure;
+use figure::Figure;
+use svg::svg;
+
+/// Draws a figure into a file, in the format that its name says: `.png`, or SVG.
+pub(crate) fn write(path: &Path, figure: &Figure) -> Result<(), Failure> {
+    let svg = svg(figure)?;
+    let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+    let file = if is_png { png::png(&svg)? } else { svg.into_bytes() };
+    std::fs::write(path, file).map_err(Failure::unwritable(path))
+}
 
 #[cfg(test)]
 #[expect(clippy::float_cmp, reason = "both ends of a step are the very same number")]

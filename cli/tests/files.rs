@@ -1,0 +1,161 @@
+//! Files to begin with, plans held beside each other, and pictures of them.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    missing_docs,
+    reason = "a test may fail by panicking"
+)]
+
+mod common;
+
+use std::path::{Path, PathBuf};
+
+use common::{portamento, request};
+
+/// An empty place for the files of one test.
+fn place(test: &str) -> PathBuf {
+    let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("files").join(test);
+    let _ = std::fs::remove_dir_all(&place);
+    std::fs::create_dir_all(&place).unwrap();
+    place
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// The names of the fields of a message, in lowerCamelCase, from the schema itself.
+fn fields(schema: &str, message: &str) -> Vec<String> {
+    let start = schema.find(&format!("\nmessage {message} {{")).unwrap();
+    let body = &schema[start..start + schema[start..].find("\n}").unwrap()];
+    let field = |line: &str| -> Option<String> {
+        let (name, number) = line.trim().strip_suffix(';')?.rsplit_once(" = ")?;
+        number.parse::<u32>().ok()?;
+        let mut words = name.rsplit(' ').next()?.split('_');
+        let first = words.next()?.to_owned();
+        Some(words.fold(first, |name, word| name + &word[..1].to_uppercase() + &word[1..]))
+    };
+    body.lines().filter_map(field).collect()
+}
+
+#[test]
+fn a_request_to_begin_with_says_every_field_and_can_be_planned() {
+    let schema = std::fs::read_to_string("../proto/motion/v1/plan.proto").unwrap();
+    let rows = [
+        ("plan", &["PlanRequest", "AxisMove", "AxisState", "AxisLimits"][..]),
+        ("pvt", &["PlanPvtRequest", "PvtAxis", "AxisState"][..]),
+    ];
+    for (what, messages) in rows {
+        let file = place(what).join("request.json");
+        let said = portamento(&["init", what, text(&file)], "").with(0);
+        assert!(said.out.contains(&format!("portamento {what} --request")), "{}", said.out);
+        let written = std::fs::read_to_string(&file).unwrap();
+        for message in messages {
+            for field in fields(&schema, message) {
+                assert!(written.contains(&format!("\"{field}\"")), "{what}: {message}.{field}");
+            }
+        }
+        let longest = written.lines().map(|line| line.chars().count()).max();
+        assert!(longest <= Some(90), "{longest:?}");
+        let planned = portamento(&[what, "--request", text(&file), "--json"], "").with(0).json();
+        assert_eq!(planned["plan"]["certificate"]["passed"], true);
+        // Without comments it is the same request.
+        let bare = portamento(&["init", what, "-", "--bare"], "").with(0).out;
+        assert!(!bare.contains("//") && serde_json::from_str::<serde_json::Value>(&bare).is_ok());
+        assert_eq!(portamento(&[what, "--request", "-", "--json"], &bare).with(0).json(), planned);
+    }
+}
+
+#[test]
+fn what_is_there_is_not_written_over() {
+    let file = place("over").join("mine.json");
+    std::fs::write(&file, "mine").unwrap();
+    let refused = portamento(&["init", "plan", text(&file)], "").with(2);
+    assert!(refused.err.contains("is there already") && refused.err.contains("--force"), "{}", refused.err);
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "mine");
+    portamento(&["init", "plan", text(&file), "--force"], "").with(0);
+}
+
+#[test]
+fn comments_are_read_wherever_requests_are() {
+    let one = request(0.05).to_string();
+    let commented = format!("// a move\n{} // its end\n", one.replacen('{', "{ /* one axis */ ", 1));
+    let plain = portamento(&["plan", "--request", "-", "--json"], &one).with(0).out;
+    assert_eq!(portamento(&["plan", "--request", "-", "--json"], &commented).with(0).out, plain);
+    assert_eq!(portamento(&["plan", "--batch", "-"], &commented).with(0).out, plain);
+    // What is wrong is found where it stands.
+    let wrong = portamento(&["plan", "--request", "-"], "// µ\n{\"axse\": []}").with(2).err;
+    assert!(wrong.contains("line 2, column 7"), "{wrong}");
+}
+
+#[test]
+fn plans_are_held_beside_each_other() {
+    let place = place("diff");
+    let plan = |name: &str, acceleration: &str| {
+        let file = place.join(name);
+        let args = ["plan", "--distance", "0.05", "--max-velocity", "0.25", "--max-jerk", "100"];
+        let more = ["--max-acceleration", acceleration, "--output", text(&file)];
+        portamento(&[&args[..], &more].concat(), "").with(0);
+        file
+    };
+    let (a, b, nearly) = (plan("a.json", "3"), plan("b.json", "2.5"), plan("c.json", "3.0000000001"));
+    let same = portamento(&["diff", text(&a), text(&a)], "").with(0).out;
+    assert!(same.contains("Both last as long.") && same.contains("No difference."), "{same}");
+    insta::assert_snapshot!(
+        "differences",
+        portamento(&["diff", text(&a), text(&b)], "")
+            .with(1)
+            .out
+            .replace(env!("CARGO_PKG_VERSION"), "VERSION")
+    );
+    let found = portamento(&["diff", text(&a), text(&b), "--json"], "").with(1).json();
+    // a_b = a² /j apart: with 3 m/s² the jerk of 100 m/s³ lasts 30 ms, with 2.5 m/s² 25.
+    assert_eq!(found["first"]["cycle"], 25);
+    assert_eq!(found["worst"][2]["quantity"], "acceleration");
+    portamento(&["diff", text(&a), text(&nearly)], "").with(1);
+    portamento(&["diff", text(&a), text(&nearly), "--tolerance", "1e-6"], "").with(0);
+    portamento(&["diff", text(&a), text(&place.join("none.json"))], "").with(2);
+    let other = portamento(
+        &[
+            "plan",
+            "--distance",
+            "1",
+            "--max-velocity",
+            "1",
+            "--max-acceleration",
+            "1",
+            "--max-jerk",
+            "1",
+            "--cycle-time",
+            "2ms",
+            "--json",
+        ],
+        "",
+    );
+    let refused = portamento(&["diff", text(&a), "-"], &other.with(0).out).with(2).err;
+    assert!(refused.contains("--cycle-time"), "{refused}");
+}
+
+#[test]
+fn pictures_are_png_where_their_name_says_so() {
+    let file = place("png").join("move.png");
+    let args = [
+        "plan",
+        "--distance",
+        "0.05",
+        "--max-velocity",
+        "0.25",
+        "--max-acceleration",
+        "3",
+        "--max-jerk",
+        "100",
+    ];
+    portamento(&[&args[..], &["--plot", text(&file)]].concat(), "").with(0);
+    let picture = std::fs::read(&file).unwrap();
+    assert_eq!(&picture[..8], b"\x89PNG\r\n\x1a\n");
+    // Twice 960 wide; letters and curves make it larger than a blank one.
+    assert_eq!(u32::from_be_bytes(picture[16..20].try_into().unwrap()), 1920);
+    assert!(picture.len() > 50_000, "{}", picture.len());
+}

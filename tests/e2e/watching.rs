@@ -1,0 +1,164 @@
+//! Looking on at streams: what is shown is what the axis played, and nobody is delayed by it.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use client::{Error, Setpoints};
+use e2e::{Loopback, fifty_millimetres, move_of, open, planned};
+use planner::AxisKind;
+use proto::Reason;
+use proto::stream::{Ask, Open, Operation, Phase, StreamEventKind, Watch, Watched};
+use sim_axis::{AxisModel, Clock, TrackRequest, Tracking, Update};
+
+const MOMENT: Duration = Duration::from_secs(20);
+
+async fn next(watching: &mut client::Watching) -> Option<Watched> {
+    tokio::time::timeout(MOMENT, watching.next()).await.expect("in time").unwrap()
+}
+
+/// Commanded position, following error by cycle, as somebody has seen them.
+type Rows = BTreeMap<u64, (f64, Option<f64>)>;
+
+/// An axis with a spring in it is slowed, held and resumed on its way, and watched meanwhile: whatever the watcher sees of a
+/// cycle is what the axis says of it, over every splice.
+#[tokio::test]
+async fn what_is_shown_is_what_was_played() {
+    let server = Loopback::start().await;
+    let client = server.client().await;
+    let plan = planned(move_of(0.2, 0.25));
+    let request = TrackRequest {
+        models: vec![AxisModel::flexible("x")],
+        clock: Clock::Wall,
+        settle_window: 0.05,
+        ..TrackRequest::new("cell-7/x", server.endpoint(), plan)
+    };
+    let asked = [(300, Ask::Override(0.5)), (500, Ask::Hold), (700, Ask::Resume)];
+    let operations = asked.into_iter().map(|(cycle, ask)| Operation {
+        not_before_cycle: Some(cycle),
+        ..Operation::now(format!("at {cycle}"), ask)
+    });
+    let (mut tracking, _answers) = Tracking::begin_with(request, operations.collect()).await.unwrap();
+    let watch = Watch::stream("cell-7/x").every(Duration::from_millis(20));
+    let mut watching = client.watch(watch).await.unwrap();
+    let seen = tokio::spawn(async move {
+        let (mut rows, mut phases, mut events) = (Rows::new(), Vec::new(), Vec::new());
+        while let Some(watched) = next(&mut watching).await {
+            assert_eq!(
+                (watched.axes.as_slice(), watched.kinds.as_slice()),
+                (&["x".to_owned()][..], &[AxisKind::Prismatic][..])
+            );
+            assert_eq!(watched.messages_dropped, 0);
+            assert!(watched.cycles.is_sorted());
+            for (index, cycle) in watched.cycles.iter().enumerate() {
+                let position = watched.commanded.at(0, index).unwrap().state.position;
+                let error = watched.tracking.as_ref().map(|tracking| tracking.following_error[index]);
+                assert_eq!(rows.insert(*cycle, (position, error)), None, "cycle {cycle} is shown once");
+            }
+            if phases.last() != Some(&watched.phase) {
+                phases.push(watched.phase);
+            }
+            events.extend(watched.events);
+        }
+        (rows, phases, events)
+    });
+    let mut played = Rows::new();
+    while let Some(update) = tracking.next().await {
+        if let Update::Samples(samples) = update {
+            for (index, cycle) in (0..samples.commanded.cycles()).zip(samples.first_cycle..) {
+                let position = samples.commanded.at(0, index).unwrap().state.position;
+                played.insert(cycle, (position, Some(samples.tracking.following_error[index])));
+            }
+        }
+    }
+    tracking.finish().await.unwrap();
+    let (rows, phases, events) = tokio::time::timeout(MOMENT, seen).await.unwrap().unwrap();
+    assert!(rows.len() > 1000, "{}", rows.len());
+    for (cycle, (position, error)) in &rows {
+        let (at, off) = played[cycle];
+        assert_eq!(*position, at, "cycle {cycle}");
+        assert!(error.is_none() || *error == off, "cycle {cycle}");
+    }
+    assert!(rows.values().filter(|(_, error)| error.is_some()).count() > 900);
+    assert!(rows.values().any(|(_, error)| error.is_some_and(|error| error.abs() > 1e-6)));
+    assert_eq!(phases, [Phase::Moving, Phase::Holding, Phase::Moving, Phase::Finished]);
+    assert_eq!(events.last().map(|event| event.kind), Some(StreamEventKind::Finished));
+}
+
+#[tokio::test]
+async fn all_streams_are_shown_with_how_they_stand() {
+    let server = Loopback::start().await;
+    let client = server.client().await;
+    let mut streams = Vec::new();
+    for name in ["cell-7/x", "cell-7/y"] {
+        let open = Open { close_at_rest: false, ..open(name, planned(fifty_millimetres())) };
+        let mut stream = Setpoints::open(&client, open).await.unwrap();
+        crate::operations::play_to(&mut stream, 100).await;
+        streams.push(stream);
+    }
+    let mut watching = client.watch(Watch::all().every(Duration::from_millis(10))).await.unwrap();
+    let mut seen = BTreeMap::new();
+    while seen.len() < 2 {
+        let watched = next(&mut watching).await.unwrap();
+        assert!(watched.cycles.is_empty() && watched.tracking.is_none());
+        seen.insert(watched.stream, watched.executed_cycle);
+    }
+    assert!(seen.values().all(|executed| *executed > 50), "{seen:?}");
+    // One that has ended is shown no more.
+    drop(streams.pop());
+    let gone = async {
+        loop {
+            let (first, second) = (next(&mut watching).await.unwrap(), next(&mut watching).await.unwrap());
+            if first.stream == second.stream {
+                return first.stream;
+            }
+        }
+    };
+    assert_eq!(tokio::time::timeout(MOMENT, gone).await.unwrap(), "cell-7/x");
+}
+
+/// The axis plays on at the pace of its credit while nobody reads what a watcher is sent; once somebody does, the loss is
+/// counted.
+#[tokio::test]
+async fn a_watcher_who_does_not_read_delays_nobody_and_is_told_what_it_lost() {
+    let server = Loopback::start().await;
+    let client = server.client().await;
+    let open = Open { close_at_rest: false, ..open("cell-7/x", planned(move_of(1.0, 0.25))) };
+    let mut stream = Setpoints::open(&client, open).await.unwrap();
+    crate::operations::play_to(&mut stream, 50).await;
+    let watch = Watch { max_points: 10_000, ..Watch::stream("cell-7/x").every(Duration::from_millis(1)) };
+    let mut watching = client.watch(watch).await.unwrap();
+    // More than channel, transport and windows hold.
+    crate::operations::play_to(&mut stream, 400_000).await;
+    let lost = async {
+        loop {
+            let watched = next(&mut watching).await.unwrap();
+            if watched.messages_dropped > 0 {
+                return watched;
+            }
+            crate::operations::play_to(&mut stream, watched.executed_cycle + 1000).await;
+        }
+    };
+    assert!(tokio::time::timeout(MOMENT, lost).await.unwrap().messages_dropped > 0);
+}
+
+#[tokio::test]
+async fn what_cannot_be_watched_is_refused_with_the_way_out() {
+    let server = Loopback::start().await;
+    let client = server.client().await;
+    let mut watching = client.watch(Watch::stream("nowhere")).await.unwrap();
+    let refused = watching.next().await.unwrap_err();
+    assert!(
+        matches!(&refused, Error::Rejected(rejected) if rejected.reason == Reason::StreamNotHere),
+        "{refused}"
+    );
+    for watch in [
+        Watch::all().every(Duration::ZERO),
+        Watch::all().every(Duration::from_secs(61)),
+        Watch { max_points: 10_001, ..Watch::all() },
+    ] {
+        let refused = client.watch(watch).await.unwrap_err();
+        let reason =
+            matches!(&refused, Error::Rejected(rejected) if rejected.reason == Reason::ValueOutOfRange);
+        assert!(reason, "{refused}");
+    }
+}
