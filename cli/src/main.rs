@@ -7,6 +7,7 @@ mod command;
 mod failure;
 mod law;
 mod record;
+mod replica;
 mod service;
 mod show;
 mod source;

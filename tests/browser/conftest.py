@@ -11,6 +11,7 @@ import pytest
 from playwright.sync_api import sync_playwright
 
 BINARIES = Path(__file__).parents[2] / "target" / "debug"
+PAGES = Path(__file__).parents[2] / "server/src/console/page"
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
          "--disable-component-update", "--disable-sync"]
 
@@ -102,6 +103,8 @@ def open_console(browser, server):
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.on("console", lambda said: complaints.append(said.text)
                 if said.type == "error" and "status of 4" not in said.text else None)
+        if "PORTAMENTO_PAGES" in os.environ:
+            page.route("**/console/*.*", lambda route: route.fulfill(path=PAGES / route.request.url.rsplit("/", 1)[1]))
         page.goto(f"http://{server.addresses['serving HTTP']}/console/#{view}")
         return page
 

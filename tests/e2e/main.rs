@@ -22,6 +22,7 @@ mod rehearsed;
 mod rehearsed_paths;
 mod secured;
 mod side_port;
+mod simulated;
 mod standing_services;
 mod synchronised;
 mod told;

@@ -7,6 +7,7 @@
 )]
 
 mod certificates;
+mod network;
 mod rig;
 
 use std::net::SocketAddr;
@@ -20,6 +21,7 @@ use planner::{
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::{Open, Source};
+pub use network::{Axis, Faults, Network};
 pub use rig::{Answer, Delays, Rig, difference, replay};
 use server::{Config, Server};
 use sim_axis::SimAxis;

@@ -55,13 +55,17 @@ impl Delays {
         Self { state: seed, most }
     }
 
-    /// Steele, Lea and Flood (2014), splitmix64.
     fn draw(&mut self) -> u64 {
+        self.bits() % (self.most + 1)
+    }
+
+    /// The next number of all. Steele, Lea and Flood (2014), splitmix64.
+    pub fn bits(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.state;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        (z ^ (z >> 31)) % (self.most + 1)
+        z ^ (z >> 31)
     }
 }
 

@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use client::Client;
+use client::failover::Change;
 use planner::motion::Motion;
 use planner::{
     Accepted, AxisKind, AxisMoveSpec, Family, Judged, LimitsSpec, RequestSpec, ShortPathPolicy, State,
@@ -9,17 +10,19 @@ use planner::{
 use proto::Digest;
 use proto::stream::{Ask, Operation, OperationResult};
 use serde_json::json;
-use server::Server;
-use sim_axis::{AxisModel, Clock, TrackRequest, Tracking, TrackingReport, default_settle_tolerance};
-use tokio::sync::oneshot;
+use sim_axis::{
+    AxisModel, Clock, TrackRequest, Tracking, TrackingReport, Update, default_settle_tolerance,
+};
 
 use crate::args::DemoArgs;
 use crate::command::compare::{Watched, families};
 use crate::failure::Failure;
 use crate::law::Law;
 use crate::record::Record;
+use crate::replica::Replica;
 use crate::service::Service;
 use crate::show::compared;
+use crate::show::number::plain;
 use crate::show::paint::Screen;
 use crate::show::plot::{self, Tracked};
 use crate::show::watch::Watch;
@@ -28,7 +31,7 @@ use crate::show::{json as messages, report, table};
 /// How far ahead the demo's axis holds setpoints [cycles]: the machine may be busy with something else.
 const LEAD_CYCLES: u32 = 100;
 
-/// What is done to the motion on its way: from which cycle, what the figure calls it, what the table says.
+/// What is done to the motion on its way, after the server that serves it has died: from which cycle, what the figure calls it, what the table says.
 const OPERATIONS: [(u64, &str, &str, Ask); 3] = [
     (120, "override", "half its feed rate", Ask::Override(0.5)),
     (220, "hold", "holds", Ask::Hold),
@@ -38,6 +41,8 @@ const OPERATIONS: [(u64, &str, &str, Ask); 3] = [
 /// What the demo found.
 struct Outcome {
     report: TrackingReport,
+    /// Who went on when the server was killed.
+    change: Option<Change>,
     results: Vec<OperationResult>,
     /// What the planner says that the digest is.
     undisturbed: Digest,
@@ -48,9 +53,11 @@ struct Outcome {
 pub(crate) fn run(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(), Failure> {
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build();
     let runtime = runtime.map_err(|error| Failure::Internal(error.to_string()))?;
-    let (judged, outcome) = runtime.block_on(play(args, screen))?;
+    // Each in a runtime of its own, which can be taken from under it.
+    let replicas = [Replica::start("replica-1")?, Replica::start("replica-2")?];
+    let (judged, outcome) = runtime.block_on(play(args, screen, replicas))?;
     draw(&args.plot, &judged, &outcome.tracked)?;
-    let Outcome { report, results, undisturbed, .. } = outcome;
+    let Outcome { report, change, results, undisturbed, .. } = outcome;
     let model = AxisModel::flexible("x");
     let watched =
         Watched { model: &model, settle_tolerance: Some(default_settle_tolerance(AxisKind::Prismatic)) };
@@ -67,7 +74,7 @@ pub(crate) fn run(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(), Failur
         });
         writeln!(screen.out, "{answer}")?;
     } else {
-        operations(screen, &results)?;
+        operations(screen, change.as_ref(), &results)?;
         report::tracking(screen, judged.plan(), &report)?;
         let same = if report.stream.digest == undisturbed {
             screen.paint.good("the digest is that of a replay by the planner: not a bit was lost")
@@ -80,15 +87,27 @@ pub(crate) fn run(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(), Failur
         compared::chosen_limits(screen, AxisKind::Prismatic, &chosen.limits())?;
         writeln!(screen.out, "\nDrawn in {}.", args.plot.display())?;
     }
-    if report.stream.digest == undisturbed {
-        return Ok(());
+    if report.stream.digest != undisturbed {
+        return Err(Failure::Internal("the setpoints that were played are not those of the plan".into()));
     }
-    Err(Failure::Internal("the setpoints that were played are not those of the plan".into()))
+    if report.stream.failovers == 0 {
+        return Err(Failure::Internal("the axis has not noticed that its server was killed".into()));
+    }
+    Ok(())
 }
 
-/// What became of each operation.
-fn operations(screen: &mut Screen<'_>, results: &[OperationResult]) -> std::io::Result<()> {
-    writeln!(screen.out, "{}", screen.paint.heading("Operations on the way"))?;
+/// What happened on the way, and what became of each operation.
+fn operations(
+    screen: &mut Screen<'_>,
+    change: Option<&Change>,
+    results: &[OperationResult],
+) -> std::io::Result<()> {
+    writeln!(screen.out, "{}", screen.paint.heading("On the way"))?;
+    if let Some(Change { from, to, executed_cycle, took, .. }) = change {
+        let took = plain((took.as_secs_f64() * 1e4).round() / 10.0);
+        let text = format!("at cycle {executed_cycle}: {to} goes on {took} ms later");
+        writeln!(screen.out, "  {:24}{text}", format!("{from} is killed"))?;
+    }
     for ((_, name, does, _), result) in OPERATIONS.iter().zip(results) {
         let OperationResult { effective_cycle, rest_cycle, .. } = result;
         let text = format!("from cycle {effective_cycle}: {does}; rests from {rest_cycle}");
@@ -123,46 +142,39 @@ fn replayed(plan: &Accepted, results: &[OperationResult]) -> Result<Digest, Fail
     Ok(digest)
 }
 
-/// A server on any free port of this machine, an axis, and a move from one to the other.
-async fn play(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(Judged, Outcome), Failure> {
-    let internal = |error: &dyn std::error::Error| Failure::Internal(error.to_string());
-    let server = Server::bind(server::Config::loopback()).await.map_err(|error| internal(&error))?;
-    let endpoint = format!("http://{}", server.address());
-    let (stop, stopped) = oneshot::channel::<()>();
-    let serving = tokio::spawn(server.run(async {
-        // Dropped is stopped too.
-        let _ = stopped.await;
-    }));
-
-    let client = Client::connect(&endpoint).await?;
+/// Two servers on free ports of this machine, an axis, and a move from one to the other. The server that serves it is killed on the
+/// way.
+async fn play(
+    args: &DemoArgs,
+    screen: &mut Screen<'_>,
+    replicas: [Replica; 2],
+) -> Result<(Judged, Outcome), Failure> {
+    let client = Client::connect(&replicas[0].endpoint()).await?;
     let judged = client.plan(fifty_millimetres()).await?;
+    drop(client);
     if !screen.json {
         table::plan(screen, &judged)?;
         writeln!(screen.out)?;
         screen.out.flush()?;
     }
     let accepted = judged.clone().accepted().map_err(Failure::refused)?;
-    let (report, results, tracked) = follow(args, &endpoint, &judged, accepted.clone()).await?;
-    let undisturbed = replayed(&accepted, &results)?;
-
-    // Without connections left the server stops at once; how it ends does not matter to the answer.
-    drop((client, stop));
-    let _ = serving.await;
-    Ok((judged, Outcome { report, results, undisturbed, tracked }))
+    let outcome = follow(args, replicas, &judged, accepted).await?;
+    Ok((judged, outcome))
 }
 
 async fn follow(
     args: &DemoArgs,
-    endpoint: &str,
+    [first, second]: [Replica; 2],
     judged: &Judged,
     plan: Accepted,
-) -> Result<(TrackingReport, Vec<OperationResult>, Tracked), Failure> {
+) -> Result<Outcome, Failure> {
     let clock = if args.virtual_time { Clock::Virtual } else { Clock::Wall };
     let request = TrackRequest {
         models: vec![AxisModel::flexible("x")],
         clock,
         lead_cycles: LEAD_CYCLES,
-        ..TrackRequest::new("demo/x", endpoint, plan.clone())
+        endpoints: vec![first.endpoint(), second.endpoint()],
+        ..TrackRequest::new("demo/x", first.endpoint(), plan.clone())
     };
     let mut record = Record::begin(args.record.as_deref(), &request.stream, judged)?;
     record.request(fifty_millimetres())?;
@@ -172,8 +184,15 @@ async fn follow(
         ..Operation::now(name, ask)
     });
     let (mut tracking, answers) = Tracking::begin_with(request, asked.collect()).await?;
+    let (mut serving, mut change) = (Some(first), None);
     while let Some(update) = tracking.next().await {
         record.update(&update)?;
+        match &update {
+            // The first of them come while the axis speeds up.
+            Update::Samples(_) => serving.take().into_iter().for_each(Replica::kill),
+            Update::FailedOver(gone_on) => change = Some(gone_on.clone()),
+            Update::Event(_) => {}
+        }
         watch.see(update);
     }
     let mut tracked = watch.finish().unwrap_or_default();
@@ -188,7 +207,9 @@ async fn follow(
         results.push(result);
     }
     record.finish(&report)?;
-    Ok((report, results, tracked))
+    let undisturbed = replayed(&plan, &results)?;
+    second.kill();
+    Ok(Outcome { report, change, results, undisturbed, tracked })
 }
 
 /// The move of Blejan and Blejan's first example: 50 mm within 0.25 m/s, 3 m/s² and 100 m/s³.

@@ -148,13 +148,25 @@ class Card {
       ...{ hold: { hold: {} }, resume: { resume: {} }, stop: { stop: {} }, override: { setOverride: { factor } } }[what] };
     this.tell(`${what} …`);
     const asked = ++this.asked;
+    this.waiting = true;
     try {
-      const { result } = await call("SetpointService/ControlStream", { stream: this.name, operation });
+      const { result } = await this.insist({ stream: this.name, operation });
       if (asked !== this.asked) return;
       const does = { hold: "Holds", resume: "Goes on", stop: "Stops", override: `Goes at ${Math.round(factor * 100)} %` }[what];
       this.tell(`${does} from cycle ${result.effectiveCycle}, at rest at cycle ${result.restCycle}.`);
     } catch (error) {
       if (asked === this.asked) this.tell(`${error.reason ? `${error.reason}: ` : ""}${error.message}`, true);
+    } finally {
+      if (asked === this.asked) this.waiting = false;
+    }
+  }
+  /** An operation that got lost in a change of sessions is sent again: with the same id it is not done twice. */
+  async insist(request, times = 3) {
+    try {
+      return await call("SetpointService/ControlStream", request);
+    } catch (error) {
+      if (error.reason !== "NOT_CONFIRMED" || times <= 1) throw error;
+      return this.insist(request, times - 1);
     }
   }
   tell(text, refused = false) {
@@ -203,7 +215,8 @@ class Card {
       this.element.querySelector("output").textContent = `${this.slider.value} %`;
     }
     for (const { kind, atCycle } of events) {
-      this.tell(`${word(kind)} at cycle ${atCycle}`);
+      // What was asked for is answered first.
+      if (!this.waiting) this.tell(`${word(kind)} at cycle ${atCycle}`);
       if (kind.endsWith("FINISHED")) this.end();
     }
     this.numbers();
