@@ -35,6 +35,19 @@ pub use serving::{Misfits, ServeError, Settings};
 use streams::Streams;
 use watch::Board;
 
+/// What a replica is called that has no name. All that listen on every address of their machine have the same one, so there it is the machine's
+/// name that tells them apart.
+fn name_of(address: SocketAddr) -> String {
+    if !address.ip().is_unspecified() {
+        return address.to_string();
+    }
+    let host = std::env::var("HOSTNAME").or_else(|_| std::fs::read_to_string("/etc/hostname"));
+    match host.as_deref().map(str::trim) {
+        Ok(host) if planner::wrong_name(host).is_none() => format!("{host}:{}", address.port()),
+        _ => address.to_string(),
+    }
+}
+
 /// A server that has its port and does not serve yet.
 #[derive(Debug)]
 pub struct Server {
@@ -72,7 +85,7 @@ impl Server {
     /// Failures of the transport.
     pub async fn run(self, stop: impl Future<Output = ()> + Send + 'static) -> Result<(), ServeError> {
         let Self { config, bound } = self;
-        let served_by = config.served_by.clone().unwrap_or_else(|| bound.address().to_string());
+        let served_by = config.served_by.clone().unwrap_or_else(|| name_of(bound.address()));
         let leaving = Leaving::default();
         let figures = Figures::resolve();
         let streams = Streams::new(config.limits, figures.clone());

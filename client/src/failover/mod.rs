@@ -160,6 +160,8 @@ pub struct Failover {
     /// The digest of the end of a way to rest that no server knows of yet.
     rested: Option<Digest>,
     unanswered: Vec<Operation>,
+    /// Those of them that the server has left undone, while another was looked for.
+    undone: Vec<String>,
     /// Why the stream is not served any more.
     lost_for: Option<Failure>,
     last_failure: Option<Failure>,
@@ -203,6 +205,7 @@ impl Failover {
             asked: 0,
             rested: None,
             unanswered: Vec::new(),
+            undone: Vec::new(),
             lost_for: None,
             last_failure: None,
             finished: false,
@@ -312,9 +315,10 @@ impl Failover {
                 self.tell(News::Answer(result.request_id.clone(), Ok(result)));
             }
             ToAxis::Refusal(OperationRefusal { request_id, rejected }) => {
-                // A session that ends leaves undone what the next one is asked again.
+                // A session that ends leaves undone what the next one is asked again; and an axis that looks for another server begins
+                // no revision.
                 if rejected.reason == Reason::NotConfirmed && !self.search.is_idle() {
-                    return;
+                    return self.undone.push(request_id);
                 }
                 self.unanswered.retain(|operation| operation.request_id != request_id);
                 self.tell(News::Answer(request_id, Err(rejected)));
@@ -413,6 +417,15 @@ impl Failover {
     pub fn operate(&mut self, operation: Operation) {
         self.unanswered.push(operation.clone());
         self.say(FromAxis::Operation(operation));
+    }
+
+    /// Asks again for what was left undone meanwhile.
+    fn ask_again(&mut self) {
+        let undone = std::mem::take(&mut self.undone);
+        let again = self.unanswered.iter().filter(|operation| undone.contains(&operation.request_id));
+        for operation in again.cloned().collect::<Vec<_>>() {
+            self.say(FromAxis::Operation(operation));
+        }
     }
 
     /// The axis has no more use for the stream.

@@ -154,6 +154,7 @@ impl Failover {
                 let errand = *errand;
                 if self.has_come_back(&errand) {
                     self.search = Search::Idle;
+                    self.ask_again();
                 } else {
                     self.begin_asking(errand, now);
                 }
@@ -286,8 +287,8 @@ impl Failover {
             return self.failed(now, epoch, endpoint, Error::Protocol(text.into()));
         }
         let from = self.served_by().to_owned();
-        let is_same = matches!(errand.cause, Cause::Draining | Cause::Silent | Cause::Refused)
-            && from == serving.served_by;
+        // One that was silent and opens speaks again; and it has closed the old stream for it.
+        let is_same = matches!(errand.cause, Cause::Draining | Cause::Refused) && from == serving.served_by;
         if is_same && errand.same < MOST_SAME && now < errand.since + self.timing.lead / 4 {
             self.drop_line(epoch);
             if let Some(errand) = self.search.errand_mut() {
@@ -307,6 +308,7 @@ impl Failover {
         self.feed(Feed::GoesOn(epoch, rested));
         self.goes_on_with(now, serving);
         self.tell(News::FailedOver(change));
+        self.undone.clear();
         for operation in self.unanswered.clone() {
             self.say(proto::stream::FromAxis::Operation(operation));
         }
