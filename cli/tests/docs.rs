@@ -110,6 +110,7 @@ fn every_command_on_every_page_runs() {
             // What is started in the background has its port before the next command asks.
             let text = block.text.replace("portamento-server &", "portamento-server & ready 50051");
             let text = text.replace("--http 127.0.0.1:8080 &", "--http 127.0.0.1:8080 & ready 50051");
+            let text = text.replace("--record recordings &", "--record recordings & ready 50051");
             let text = text.replace("--listen 127.0.0.1:50053 &", "--listen 127.0.0.1:50053 & ready 50053");
             let text = text.replace("portamento-sim-axis &", "portamento-sim-axis & ready 50052");
             writeln!(script, "{text}\necho '{MARK}'").unwrap();
