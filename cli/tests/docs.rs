@@ -81,12 +81,16 @@ fn blocks(page: &str) -> Vec<Block> {
 /// What is between the outputs of two blocks.
 const MARK: &str = "=====8<=====";
 
-/// Where the other programs are: `cargo test` builds those of this package alone.
+/// Where the programs are. `cargo test --workspace` builds all of them; by itself this package's tests build its own alone.
 fn programs() -> PathBuf {
+    let beside = Path::new(env!("CARGO_BIN_EXE_portamento")).parent().unwrap();
+    if ["portamento-server", "portamento-sim-axis"].iter().all(|program| beside.join(program).exists()) {
+        return beside.to_owned();
+    }
     let args = ["build", "-q", "--locked", "-p", "portamento-server", "-p", "portamento-sim-axis"];
     let built = Command::new(env!("CARGO")).args(args).current_dir(root()).status().unwrap();
     assert!(built.success());
-    Path::new(env!("CARGO_BIN_EXE_portamento")).parent().unwrap().to_owned()
+    beside.to_owned()
 }
 
 #[test]
@@ -110,6 +114,7 @@ fn every_command_on_every_page_runs() {
             // What is started in the background has its port before the next command asks.
             let text = block.text.replace("portamento-server &", "portamento-server & ready 50051");
             let text = text.replace("--http 127.0.0.1:8080 &", "--http 127.0.0.1:8080 & ready 50051");
+            let text = text.replace("--record recordings &", "--record recordings & ready 50051");
             let text = text.replace("--listen 127.0.0.1:50053 &", "--listen 127.0.0.1:50053 & ready 50053");
             let text = text.replace("portamento-sim-axis &", "portamento-sim-axis & ready 50052");
             writeln!(script, "{text}\necho '{MARK}'").unwrap();
