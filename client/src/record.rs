@@ -141,6 +141,12 @@ impl Record {
         let &(cycle, checkpoint_digest) = marks.unwrap_or(&(held, digest));
         // The digest before cycle 0 is that of cycle 0, which is not in it.
         let checkpoint_cycle = if cycle == 0 && first == 0 { 0 } else { cycle + 1 };
-        Resume { motion: self.motion.clone(), next_cycle: held + 1, digest, checkpoint_cycle, checkpoint_digest }
+        Resume {
+            motion: self.motion.clone(),
+            next_cycle: held + 1,
+            digest,
+            checkpoint_cycle,
+            checkpoint_digest,
+        }
     }
 }

@@ -12,9 +12,7 @@ use common::Random;
 use common::motions::{opening, operation};
 use common::paths::{self, KINDS, Kind};
 use planner::motion::{Motion, MotionParts, Operation, Override, Phase, Refused, Spliced};
-use planner::{
-    Accepted, Judged, Method, Plan, Profile, Quantity, State, Synchronization, TimeLaw, certify,
-};
+use planner::{Accepted, Judged, Method, Plan, Profile, Quantity, State, Synchronization, TimeLaw, certify};
 use proptest::prelude::*;
 
 fn settings() -> ProptestConfig {

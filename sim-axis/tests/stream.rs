@@ -246,7 +246,10 @@ fn a_starved_axis_plays_its_way_to_rest_and_stands_there() {
     assert_eq!((player.buffer().counters().underruns, player.tail_used()), (1, true));
     // What comes too late is of an epoch that is over.
     assert_eq!(player.accept(EPOCH, &mut source.next()), None);
-    assert_eq!((player.buffer().accepted(), player.buffer().counters().stale_epochs), (rests.last_cycle(), 1));
+    assert_eq!(
+        (player.buffer().accepted(), player.buffer().counters().stale_epochs),
+        (rests.last_cycle(), 1)
+    );
 }
 
 /// Whatever was played on the way to rest, a server that is told of it goes on after it.

@@ -5,9 +5,7 @@ use std::collections::VecDeque;
 use client::{Buffer, Revision, Standing};
 use planner::motion::{Motion as UnderWay, Operation as Planned};
 use planner::{Plan, Setpoint};
-use proto::stream::{
-    FromAxis, Open, Operation, OperationResult, Report, Source, StreamEvent, ToAxis,
-};
+use proto::stream::{FromAxis, Open, Operation, OperationResult, Report, Source, StreamEvent, ToAxis};
 use proto::{Digest, Rejected};
 use server::session::{Event, Output, Session};
 

@@ -376,9 +376,8 @@ impl Failover {
         if let Some(refused) = report.refused.as_ref().filter(|refused| refused.reason.is_of_its_server()) {
             self.refusals += 1;
             if self.refusals >= MOST_REFUSALS {
-                self.lost_for = self
-                    .endpoint()
-                    .map(|endpoint| Failure { endpoint, cause: Error::refused(refused) });
+                self.lost_for =
+                    self.endpoint().map(|endpoint| Failure { endpoint, cause: Error::refused(refused) });
                 self.look_elsewhere(now, Cause::Refused);
             }
         }

@@ -198,8 +198,7 @@ impl Failover {
     fn has_come_back(&self, errand: &Errand) -> bool {
         let Some(record) = &self.record else { return false };
         let is_served = self.serving.as_ref().is_some_and(|serving| serving.is_there);
-        let is_fed =
-            self.fed_at > errand.since && 2 * self.ahead(record) >= u64::from(self.open.lead_cycles);
+        let is_fed = self.fed_at > errand.since && 2 * self.ahead(record) >= u64::from(self.open.lead_cycles);
         errand.cause == Cause::Silent && is_served && is_fed
     }
 
@@ -287,7 +286,8 @@ impl Failover {
             return self.failed(now, epoch, endpoint, Error::Protocol(text.into()));
         }
         let from = self.served_by().to_owned();
-        let is_same = matches!(errand.cause, Cause::Draining | Cause::Silent | Cause::Refused) && from == serving.served_by;
+        let is_same = matches!(errand.cause, Cause::Draining | Cause::Silent | Cause::Refused)
+            && from == serving.served_by;
         if is_same && errand.same < MOST_SAME && now < errand.since + self.timing.lead / 4 {
             self.drop_line(epoch);
             if let Some(errand) = self.search.errand_mut() {
@@ -351,7 +351,8 @@ impl Failover {
 
     /// Nobody went on.
     fn round_over(&mut self, now: Duration) {
-        let (hopeless, Some(errand)) = (matches!(self.search, Search::Trying { hopeless: true, .. }), self.search.errand())
+        let (hopeless, Some(errand)) =
+            (matches!(self.search, Search::Trying { hopeless: true, .. }), self.search.errand())
         else {
             return;
         };
@@ -386,8 +387,9 @@ fn refuses_for_good(error: &Error) -> bool {
             !may_change && !matches!(rejected.reason.code(), Code::Unavailable | Code::ResourceExhausted)
         }
         Error::Address { .. } | Error::TooLarge { .. } => true,
-        Error::Unreachable { .. } | Error::Unanswered { .. } | Error::NotServed { .. } | Error::Protocol(_) => {
-            false
-        }
+        Error::Unreachable { .. }
+        | Error::Unanswered { .. }
+        | Error::NotServed { .. }
+        | Error::Protocol(_) => false,
     }
 }

@@ -164,7 +164,10 @@ fn resume_from_wire(wire: pb::Resume) -> Result<Resume, Rejected> {
     };
     if next_cycle <= first || next_cycle > LAST_CYCLE {
         let least = first + 1;
-        fault("next_cycle", format!("is {next_cycle}: it follows on a cycle of the motion, {least} to {LAST_CYCLE}"));
+        fault(
+            "next_cycle",
+            format!("is {next_cycle}: it follows on a cycle of the motion, {least} to {LAST_CYCLE}"),
+        );
     } else {
         let earliest = first.max(next_cycle.saturating_sub(FARTHEST_CHECKPOINT));
         if !(earliest..=next_cycle).contains(&checkpoint_cycle) {

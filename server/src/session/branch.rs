@@ -1,7 +1,7 @@
 use std::ops::RangeInclusive;
 
-use proto::{Digest, Rejected};
 use proto::stream::{Batch, Columns, Motion, Phase};
+use proto::{Digest, Rejected};
 
 use super::ledger::Ledger;
 

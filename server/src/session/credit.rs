@@ -51,7 +51,8 @@ impl Credit {
             ));
         }
         // The other server went on until this one had opened, as far as was granted.
-        let elsewhere = if self.follows { grant_cycle.min(executed_cycle.saturating_add(FARTHEST_AHEAD)) } else { 0 };
+        let elsewhere =
+            if self.follows { grant_cycle.min(executed_cycle.saturating_add(FARTHEST_AHEAD)) } else { 0 };
         let farthest = self.farthest.max(elsewhere);
         if accepted_cycle > farthest {
             let sent = farthest;

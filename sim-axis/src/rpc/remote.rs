@@ -126,7 +126,8 @@ fn to_wire(request: TrackRequest) -> pb::RunTrackingRequest {
         accept_unproved,
         patience,
     } = request;
-    let duration = |ns: i64| prost_types::Duration { seconds: ns / 1_000_000_000, nanos: (ns % 1_000_000_000) as i32 };
+    let duration =
+        |ns: i64| prost_types::Duration { seconds: ns / 1_000_000_000, nanos: (ns % 1_000_000_000) as i32 };
     pb::RunTrackingRequest {
         stream,
         endpoints,

@@ -67,7 +67,8 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
     if let Some(why) = malformed {
         faults.note("patience", Reason::ValueOutOfRange, why);
     } else if !(0.0..=MOST_PATIENCE).contains(&patience) {
-        let text = format!("is {patience} s: give 0 to {MOST_PATIENCE} s, or leave it out for {DEFAULT_PATIENCE:?}");
+        let text =
+            format!("is {patience} s: give 0 to {MOST_PATIENCE} s, or leave it out for {DEFAULT_PATIENCE:?}");
         faults.note("patience", Reason::ValueOutOfRange, text);
     }
     let plan = faults.none_in(plan)?;
