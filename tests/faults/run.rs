@@ -9,10 +9,10 @@ use proto::stream::{Operation, OperationResult, StreamEvent};
 use proto::{Digest, Rejected};
 use sim_axis::{Answered, Commander, Samples, TrackError, TrackRequest, Tracking, TrackingReport, Update};
 
-use client::failover::Change;
+use client::failover::{Cause, Change};
 
 /// How long anything may take that a story waits for.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(20);
 
 /// A run that goes on.
 pub(crate) struct Run {
@@ -92,7 +92,7 @@ impl Run {
         tokio::time::timeout(PATIENCE, looking).await.expect("it comes to pass");
     }
 
-    /// Looks on to the end.
+    /// Looks on to the end. An axis that has come to rest by itself would wait for ever to be told to go on.
     pub(crate) async fn finish(self) -> Played {
         let (seen, how) = self.end().await;
         let report = how.unwrap_or_else(|error| panic!("{error}, after {:?}", seen.changes));
@@ -103,11 +103,21 @@ impl Run {
     pub(crate) async fn end(mut self) -> (Seen, Result<TrackingReport, TrackError>) {
         let looking = async {
             while let Some(update) = self.tracking.next().await {
+                let starved = matches!(&update, Update::FailedOver(change) if change.cause == Cause::Starved);
                 self.seen.take(update);
+                assert!(!starved, "after cycle {}: {:?}", self.seen.setpoints.len(), self.seen.changes);
             }
             self.tracking.finish().await
         };
-        let how = tokio::time::timeout(PATIENCE, looking).await.expect("it ends");
+        let how = tokio::time::timeout(PATIENCE, looking).await;
+        let how = how.unwrap_or_else(|_| {
+            panic!(
+                "it does not end after cycle {}: {:?}, {:?}",
+                self.seen.setpoints.len(),
+                self.seen.changes,
+                self.seen.events
+            )
+        });
         (self.seen, how)
     }
 }

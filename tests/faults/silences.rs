@@ -96,19 +96,19 @@ async fn a_line_that_is_slow_and_uneven() {
     }
 }
 
-/// The line stalls for 60 ms of a lead of 100 while the only other server never answers: a false alarm. The server stays, and is
+/// The line stalls for 160 ms of a lead of 250 while the only other server never answers: a false alarm. The server stays, and is
 /// asked for operations afterwards.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_false_alarm() {
-    let plan = planned(move_of(0.3, 0.25));
+    let plan = planned(move_of(0.5, 0.25));
     let first = Replica::start("first").await;
     let line = Proxy::before(first.address(), THROUGH).await;
     let endpoints = [line.endpoint(), mute().await];
-    let mut run = Run::begin(request("cell-7/x", &endpoints, &plan, 100)).await;
+    let mut run = Run::begin(request("cell-7/x", &endpoints, &plan, 250)).await;
     run.until(200).await;
     for stall in 0..3 {
         line.becomes(Line::Silent);
-        let stalled = tokio::time::timeout(Duration::from_millis(60), std::future::pending::<()>());
+        let stalled = tokio::time::timeout(Duration::from_millis(160), std::future::pending::<()>());
         let _ = stalled.await;
         line.becomes(THROUGH);
         run.until(run_length(&run) + 150 + stall).await;
