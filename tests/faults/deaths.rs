@@ -8,7 +8,7 @@ use tokio::task::JoinSet;
 
 use crate::liar::{Lie, lie};
 use crate::replica::Replica;
-use crate::run::{Run, answer, request};
+use crate::run::{LEAD, Run, alone, answer, request};
 
 /// Runs at a time: each has a cycle thread and two servers of its own.
 const AT_A_TIME: u64 = 4;
@@ -25,6 +25,7 @@ fn goal(position: f64) -> Ask {
 /// 150 on, and then, behind the fail-over or ahead of it, faster and elsewhere.
 #[tokio::test(flavor = "multi_thread")]
 async fn killed_at_every_fiftieth_cycle() {
+    let _alone = alone().await;
     let last = 1200;
     let kills: Vec<u64> = (50..=last).step_by(50).collect();
     for kills in kills.chunks(AT_A_TIME as usize) {
@@ -41,8 +42,8 @@ async fn killed_at_every_fiftieth_cycle() {
 async fn killed_at(kill: u64) {
     let plan = planned(move_of(0.3, 0.25));
     // The lead is sent ahead, and this process looks on up to 50 ms late.
-    let behind = kill + 250;
-    let first = if behind + 150 < 1100 { behind } else { 350 };
+    let behind = kill + 400;
+    let first = if behind + 150 < 1400 { behind } else { 350 };
     let steps = [
         (150, "slower", Ask::Override(0.7)),
         (first, "faster", Ask::Override(0.9)),
@@ -56,7 +57,7 @@ async fn killed_at(kill: u64) {
 
     let (mut first, second) = (Replica::start("first").await, Replica::start("second").await);
     let endpoints = [first.endpoint(), second.endpoint()];
-    let (mut run, answers) = Run::with(request("cell-7/x", &endpoints, &plan, 100), operations).await;
+    let (mut run, answers) = Run::with(request("cell-7/x", &endpoints, &plan, LEAD), operations).await;
     assert_eq!(run.served_by(), "first");
     run.until(kill).await;
     first.kill();
@@ -73,11 +74,12 @@ async fn killed_at(kill: u64) {
 /// The axis was told of a revision and never got a cycle of it: it does not count, and who asked for it is answered by the next.
 #[tokio::test(flavor = "multi_thread")]
 async fn dies_between_a_revision_and_its_first_batch() {
+    let _alone = alone().await;
     let plan = planned(move_of(0.3, 0.25));
     let second = Replica::start("second").await;
     let endpoints = [lie(Lie::DiesOnceRevised).await, second.endpoint()];
     let slower = at(300, "slower", Ask::Override(0.5));
-    let (run, answers) = Run::with(request("cell-7/x", &endpoints, &plan, 100), vec![slower.clone()]).await;
+    let (run, answers) = Run::with(request("cell-7/x", &endpoints, &plan, LEAD), vec![slower.clone()]).await;
     let played = run.finish().await;
     for answered in answers {
         let result = answer(answered).await.unwrap();
@@ -90,6 +92,7 @@ async fn dies_between_a_revision_and_its_first_batch() {
 /// All of three, one after the other, each while it serves; and each comes back.
 #[tokio::test(flavor = "multi_thread")]
 async fn dies_again_and_again() {
+    let _alone = alone().await;
     let plan = planned(move_of(0.5, 0.25));
     let names = ["first", "second", "third"];
     let mut replicas = Vec::new();
@@ -97,7 +100,7 @@ async fn dies_again_and_again() {
         replicas.push(Replica::start(name).await);
     }
     let endpoints: Vec<String> = replicas.iter().map(Replica::endpoint).collect();
-    let mut run = Run::begin(request("cell-7/x", &endpoints, &plan, 100)).await;
+    let mut run = Run::begin(request("cell-7/x", &endpoints, &plan, LEAD)).await;
     for turn in 0..6 {
         run.until(200 + 250 * turn).await;
         let index = turn as usize % 3;

@@ -12,15 +12,16 @@ use tokio::task::JoinSet;
 use tokio_stream::wrappers::ReceiverStream;
 
 use crate::replica::Replica;
-use crate::run::{Run, request};
+use crate::run::{LEAD, Run, alone, request};
 
 /// Streams move over, and the process is gone as soon as they have: long before its deadline.
 #[tokio::test(flavor = "multi_thread")]
 async fn told_to_leave() {
+    let _alone = alone().await;
     let plan = planned(move_of(0.3, 0.25));
     let (first, second) = (Replica::start("first").await, Replica::start("second").await);
     let endpoints = [first.endpoint(), second.endpoint()];
-    let mut run = Run::begin(request("cell-7/x", &endpoints, &plan, 100)).await;
+    let mut run = Run::begin(request("cell-7/x", &endpoints, &plan, LEAD)).await;
     run.until(300).await;
     first.signal("TERM");
     let (played, status) = tokio::join!(run.finish(), first.gone(Duration::from_secs(5)));
@@ -33,6 +34,7 @@ async fn told_to_leave() {
 /// An axis that hears that its server leaves, and stays: the process is gone at its deadline all the same, and says that it is well.
 #[tokio::test(flavor = "multi_thread")]
 async fn told_to_leave_and_nobody_moves_over() {
+    let _alone = alone().await;
     let any = std::net::SocketAddr::from(([127, 0, 0, 1], 0));
     let server = Replica::with("only", any, &["--drain-deadline", "1"]).await;
     let (says, requests) = mpsc::channel(4);
@@ -54,6 +56,7 @@ async fn told_to_leave_and_nobody_moves_over() {
 /// All three servers are started again, one after the other, under four axes that move: none of them misses a cycle.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_rolling_restart() {
+    let _alone = alone().await;
     let plan = planned(move_of(1.5, 0.25));
     let names = ["first", "second", "third"];
     let mut replicas = Vec::new();
@@ -65,7 +68,7 @@ async fn a_rolling_restart() {
     for axis in 0..4_usize {
         let mut endpoints = endpoints.clone();
         endpoints.rotate_left(axis % 3);
-        let request = request(&format!("cell-{axis}/x"), &endpoints, &plan, 100);
+        let request = request(&format!("cell-{axis}/x"), &endpoints, &plan, LEAD);
         let run = Run::begin(request).await;
         let plan = plan.clone();
         runs.spawn(async move {

@@ -6,10 +6,11 @@ use tokio::task::JoinSet;
 
 use crate::liar::{Lie, lie};
 use crate::replica::Replica;
-use crate::run::{Run, request};
+use crate::run::{LEAD, Run, alone, request};
 
 #[tokio::test(flavor = "multi_thread")]
 async fn no_lie_reaches_the_servo() {
+    let _alone = alone().await;
     let mut runs = JoinSet::new();
     for lie in [Lie::Gap, Lie::Jump, Lie::WrongDigest, Lie::NotFinite, Lie::NoTail, Lie::OtherTail] {
         runs.spawn(lied_to(lie));
@@ -23,7 +24,7 @@ async fn lied_to(kind: Lie) {
     let plan = planned(move_of(0.2, 0.25));
     let honest = Replica::start("honest").await;
     let endpoints = [lie(kind).await, honest.endpoint()];
-    let run = Run::begin(request("cell-7/x", &endpoints, &plan, 100)).await;
+    let run = Run::begin(request("cell-7/x", &endpoints, &plan, LEAD)).await;
     assert_eq!(run.served_by(), "liar");
     let played = run.finish().await;
     played.is_undisturbed(&plan, &[]);

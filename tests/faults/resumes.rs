@@ -10,7 +10,7 @@ use proto::{Digest, Reason, Rejected, pb};
 use tonic::transport::Channel;
 
 use crate::replica::Replica;
-use crate::run::{Run, request};
+use crate::run::{LEAD, Run, alone, request};
 
 const HELD: u64 = 500;
 
@@ -55,6 +55,7 @@ fn on_wire(open: Open, change: impl Fn(&mut pb::Open, &mut pb::Resume)) -> pb::O
 
 #[tokio::test(flavor = "multi_thread")]
 async fn every_bad_resume_is_refused_with_its_reason() {
+    let _alone = alone().await;
     type Change = fn(&mut pb::Open, &mut pb::Resume);
     let rows: [(&str, Reason, &str, Change); 10] = [
         ("a forged plan", Reason::PlanRejected, "open.resume.motion.plan.axes[0].segments", |_, resume| {
@@ -81,7 +82,7 @@ async fn every_bad_resume_is_refused_with_its_reason() {
         }),
         (
             "another planner's bits",
-            Reason::ValueOutOfRange,
+            Reason::PlanRejected,
             "open.resume.motion.plan.evaluation_version",
             |_, resume| {
                 resume.motion.as_mut().unwrap().plan.as_mut().unwrap().evaluation_version += 1;
@@ -91,7 +92,7 @@ async fn every_bad_resume_is_refused_with_its_reason() {
     ];
     let replica = Replica::start("replica").await;
     let plan = planned(move_of(0.3, 0.25));
-    let run = Run::begin(request("cell-7/x", &[replica.endpoint()], &plan, 100)).await;
+    let run = Run::begin(request("cell-7/x", &[replica.endpoint()], &plan, LEAD)).await;
     let mut client = SetpointServiceClient::connect(replica.endpoint()).await.unwrap();
     for (what, reason, field, change) in rows {
         let refused = asked(&mut client, on_wire(good(&plan), change)).await.expect_err(what);
@@ -111,9 +112,10 @@ async fn every_bad_resume_is_refused_with_its_reason() {
 /// Whoever has opened last holds the stream: an epoch from the past takes it from nobody.
 #[tokio::test(flavor = "multi_thread")]
 async fn an_epoch_from_the_past() {
+    let _alone = alone().await;
     let replica = Replica::start("replica").await;
     let plan = planned(move_of(0.3, 0.25));
-    let run = Run::begin(request("cell-8/x", &[replica.endpoint()], &plan, 100)).await;
+    let run = Run::begin(request("cell-8/x", &[replica.endpoint()], &plan, LEAD)).await;
     let mut client = SetpointServiceClient::connect(replica.endpoint()).await.unwrap();
     // The run's epoch is of this century.
     let refused = asked(&mut client, on_wire(good(&plan), |_, _| {})).await.unwrap_err();

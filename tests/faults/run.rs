@@ -14,6 +14,16 @@ use client::failover::{Cause, Change};
 /// How long anything may take that a story waits for.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(20);
 
+/// How far ahead an axis of these stories holds its setpoints \[cycles\], where a story is not about that: as far as can be, since
+/// the machine may have other things to do for longer than a usual lead.
+pub(crate) const LEAD: u32 = 250;
+
+/// Waits until no other story goes on: each is about time, and there are two cores.
+pub(crate) async fn alone() -> impl Sized {
+    static ALONE: tokio::sync::Mutex<()> = tokio::sync::Mutex::const_new(());
+    ALONE.lock().await
+}
+
 /// A run that goes on.
 pub(crate) struct Run {
     tracking: Tracking,

@@ -11,7 +11,7 @@ use proto::stream::{Ask, Motion, Operation};
 use sim_axis::{TrackError, TrackRequest};
 
 use crate::replica::Replica;
-use crate::run::{Run, request};
+use crate::run::{LEAD, Run, alone, request};
 
 /// The motion of an axis on `plan` that held nothing after `cycle`.
 fn starved(plan: &Accepted, cycle: u64) -> Motion {
@@ -37,10 +37,11 @@ fn left_at(played: &[Vec<Setpoint>], plan: &Accepted) -> u64 {
 /// to its goal when it is asked to.
 #[tokio::test(flavor = "multi_thread")]
 async fn both_servers_die_and_one_comes_back() {
+    let _alone = alone().await;
     let plan = planned(move_of(0.3, 0.25));
     let (mut first, mut second) = (Replica::start("first").await, Replica::start("second").await);
     let endpoints = [first.endpoint(), second.endpoint()];
-    let mut run = Run::begin(request("cell-7/x", &endpoints, &plan, 100)).await;
+    let mut run = Run::begin(request("cell-7/x", &endpoints, &plan, LEAD)).await;
     run.until(300).await;
     first.kill();
     second.kill();
@@ -85,10 +86,11 @@ async fn both_servers_die_and_one_comes_back() {
 /// Nobody comes back: the axis rests where its way to rest ends, and says so when its patience is over.
 #[tokio::test(flavor = "multi_thread")]
 async fn nobody_comes_back() {
+    let _alone = alone().await;
     let plan = planned(move_of(0.3, 0.25));
     let mut only = Replica::start("only").await;
     let patience = Duration::from_millis(700);
-    let request = TrackRequest { patience, ..request("cell-7/x", &[only.endpoint()], &plan, 100) };
+    let request = TrackRequest { patience, ..request("cell-7/x", &[only.endpoint()], &plan, LEAD) };
     let mut run = Run::begin(request).await;
     run.until(300).await;
     let began = std::time::Instant::now();
