@@ -192,6 +192,10 @@ impl Uplink {
                 Action::Send(epoch, message) => self.send(epoch, message),
                 Action::Drop(epoch) => {
                     if let Some(line) = self.lines.remove(&epoch) {
+                        if !line.opening.is_finished() {
+                            // It may be the connection that does not answer: the next attempt makes another.
+                            self.warm.remove(&line.endpoint);
+                        }
                         line.opening.abort();
                     }
                     self.serving.take_if(|serving| serving.0 == epoch);

@@ -160,6 +160,13 @@ impl Failover {
                 }
             }
             Search::Waiting { .. } => {}
+            Search::Trying { errand, .. } if self.has_come_back(errand) => {
+                for epoch in self.search.give_up() {
+                    self.drop_line(epoch);
+                }
+                self.feed(Feed::Stays);
+                self.ask_again();
+            }
             Search::Trying { attempts, .. } => {
                 let late: Vec<Attempt> =
                     attempts.iter().filter(|attempt| attempt.until <= now).copied().collect();
@@ -249,16 +256,27 @@ impl Failover {
         let first = self.endpoint().map_or(0, |serving| serving + 1);
         let (opens, endpoints) = (self.record.is_none(), self.endpoints);
         let hedge = self.hedge();
-        let Search::Trying { attempts, tried, next_at, .. } = &mut self.search else { return };
+        let again = self.search.errand().map(|errand| now + self.back_off(errand.rounds));
+        let Search::Trying { errand, attempts, tried, next_at, .. } = &mut self.search else { return };
         if next_at.is_none_or(|at| at > now) {
             return;
         }
-        let endpoint = (first + *tried) % endpoints;
-        *tried += 1;
+        if *tried >= endpoints {
+            (*tried, errand.rounds) = (0, errand.rounds + 1);
+        }
+        let is_idle = |endpoint: &usize| attempts.iter().all(|attempt| attempt.endpoint != *endpoint);
+        let mut rest = (*tried..endpoints).map(|number| (number + 1, (first + number) % endpoints));
+        let Some((number, endpoint)) = rest.find(|(_, endpoint)| is_idle(endpoint)) else {
+            (*tried, *next_at) = (endpoints, None);
+            return;
+        };
+        *tried = number;
         self.epoch += 1;
         // Nothing moves yet: one after the other.
         let (patience, wait) = if opens { (OPENING, OPENING) } else { (GOING_ON, hedge) };
-        *next_at = (*tried < endpoints).then_some(now + wait);
+        // One that never answers is no reason not to ask the others again.
+        let others = !opens && attempts.len() + 1 < endpoints;
+        *next_at = if *tried < endpoints { Some(now + wait) } else { again.filter(|_| others) };
         attempts.push(Attempt { epoch: self.epoch, endpoint, until: now + patience });
         let open = Box::new(self.opening(self.epoch));
         self.actions.push_back(Action::Try { endpoint, open });
@@ -335,11 +353,13 @@ impl Failover {
         let opens = self.record.is_none();
         let refuses = refuses_for_good(&cause);
         self.last_failure = Some(Failure { endpoint, cause });
+        let again = self.search.errand().filter(|errand| !self.is_too_late(now, errand));
+        let again = again.map(|errand| now + self.back_off(errand.rounds));
         let Search::Trying { attempts, next_at, hopeless, tried, .. } = &mut self.search else { return };
         attempts.retain(|attempt| attempt.epoch != epoch);
         *hopeless &= refuses;
         let more = *tried < self.endpoints;
-        *next_at = more.then_some(now);
+        *next_at = if more { Some(now) } else { again.filter(|_| !opens && !attempts.is_empty()) };
         // Before anything moves, one that refuses the request speaks for all.
         if opens && refuses {
             return self.end_with_last_failure();
@@ -359,18 +379,27 @@ impl Failover {
             return;
         };
         let is_served = self.serving.as_ref().is_some_and(|serving| serving.is_there);
-        let for_too_long = now.saturating_sub(errand.since) >= self.timing.patience;
-        if self.record.is_none() || (!is_served && (hopeless || for_too_long)) {
+        if self.record.is_none() || (!is_served && (hopeless || self.is_too_late(now, &errand))) {
             return self.end_with_last_failure();
         }
         if is_served {
             self.feed(Feed::Stays);
         }
-        let longest = if is_served || self.rested.is_none() { self.hedge() } else { BACK_OFF.1 };
-        let wait = BACK_OFF.0.saturating_mul(1 << errand.rounds.min(10)).min(longest).max(BACK_OFF.0);
-        let until = now + self.timing.jittered(wait);
+        let until = now + self.back_off(errand.rounds);
         let errand = Errand { rounds: errand.rounds + 1, ..errand };
         self.search = Search::Waiting { errand, until };
+    }
+
+    /// How long nobody is asked after so many rounds: while the axis moves, no longer than what it holds allows.
+    fn back_off(&mut self, rounds: u32) -> Duration {
+        let is_served = self.serving.as_ref().is_some_and(|serving| serving.is_there);
+        let longest = if is_served || self.rested.is_none() { self.hedge() } else { BACK_OFF.1 };
+        let wait = BACK_OFF.0.saturating_mul(1 << rounds.min(10)).min(longest).max(BACK_OFF.0);
+        self.timing.jittered(wait)
+    }
+
+    fn is_too_late(&self, now: Duration, errand: &Errand) -> bool {
+        now.saturating_sub(errand.since) >= self.timing.patience
     }
 
     fn end_with_last_failure(&mut self) {

@@ -28,9 +28,9 @@ impl Branch {
         Self { motion, ledger: Ledger::from(0, Digest::ZERO), floor: 0 }
     }
 
-    /// From the cycle on that an axis does not hold; `digest` is that of the last that it holds.
-    pub(super) fn resumed(motion: Motion, held: u64, digest: Digest) -> Self {
-        Self { motion, ledger: Ledger::from(held, digest), floor: held + 1 }
+    /// From the cycle on that an axis does not hold; `held` is the last that it holds, with its digest, and `known` an earlier one.
+    pub(super) fn resumed(motion: Motion, known: (u64, Digest), held: (u64, Digest)) -> Self {
+        Self { motion, ledger: Ledger::resumed(known, held), floor: held.0 + 1 }
     }
 
     /// What `motion` will have been sent from its first cycle on.

@@ -16,16 +16,24 @@ impl Ledger {
         Self { entries: VecDeque::from([(cycle, digest)]) }
     }
 
+    /// Of a stream that another server has sent until now, up to `held`; `known` is an earlier cycle whose digest is known too, since a
+    /// splice may replace what is held.
+    pub(super) fn resumed(known: (u64, Digest), held: (u64, Digest)) -> Self {
+        let earlier = Some(known).filter(|known| known.0 < held.0);
+        Self { entries: earlier.into_iter().chain([held]).collect() }
+    }
+
     /// Notes the digest of a batch's last cycle.
     pub(super) fn note(&mut self, cycle: u64, digest: Digest) {
         self.entries.push_back((cycle, digest));
     }
 
-    /// The digest of `cycle`: noted, or computed from the note before it.
+    /// The digest of `cycle`: noted, or computed from the note before it; where there is none, from the beginning of the motion.
     pub(super) fn digest_at(&self, cycle: u64, motion: &Motion) -> Digest {
         let after = self.entries.partition_point(|entry| entry.0 <= cycle);
         let known = after.checked_sub(1).and_then(|index| self.entries.get(index));
-        known.map_or(Digest::ZERO, |&known| motion.digest_from(known, cycle))
+        let beginning = (motion.under_way.from_cycle().saturating_sub(1), motion.digest_before);
+        motion.digest_from(known.copied().unwrap_or(beginning), cycle)
     }
 
     /// Drops what nobody can ask about any more, but for the last note at or before `cycle`.

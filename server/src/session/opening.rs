@@ -41,10 +41,10 @@ impl Opening {
                 proved("open.resume.motion.plan", resume.motion.plan(), accept_unproved)?;
                 check_cycles(&resume, executed_cycle, lead, close_at_rest)?;
                 check_digest(&resume)?;
-                let Resume { motion, next_cycle, digest, .. } = *resume;
-                let held = next_cycle - 1;
+                let Resume { motion, next_cycle, digest, checkpoint_cycle, checkpoint_digest } = *resume;
+                let (known, held) = (checkpoint_cycle.saturating_sub(1), next_cycle - 1);
                 Ok(Self {
-                    branch: Branch::resumed(motion, held, digest),
+                    branch: Branch::resumed(motion, (known, checkpoint_digest), (held, digest)),
                     credit: Credit::resumed(executed_cycle, held, lead),
                     first_cycle: next_cycle,
                 })

@@ -1,0 +1,23 @@
+//! What becomes of a stream when its server dies, falls silent, lies or leaves: real server processes, and axes in this process, by
+//! the wall clock, so that every setpoint that a servo is given is seen here.
+//!
+//! The server's binary is the one that lies beside this test: `cargo test --workspace` builds it, and before
+//! `cargo test -p e2e --test faults` alone `cargo build --workspace --bins` does. `PORTAMENTO_SERVER` names another.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test may fail by panicking, and compares bits on purpose"
+)]
+
+mod deaths;
+mod drains;
+mod liar;
+mod lies;
+mod proxy;
+mod replica;
+mod resumes;
+mod run;
+mod silences;
+mod starvation;
