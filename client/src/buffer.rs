@@ -495,7 +495,7 @@ impl Buffer {
     pub fn report(&self, refused: Option<Refused>) -> Report {
         if let Some(starved) = self.starved.as_ref().filter(|starved| starved.is_alone()) {
             // Of the epoch that is over: how far its setpoints came.
-            let from = starved.from_cycle();
+            let from = starved.left_after();
             return Report {
                 executed_cycle: from,
                 accepted_cycle: from,

@@ -45,7 +45,7 @@ impl Starved {
     }
 
     /// The last cycle before it.
-    pub(crate) fn from_cycle(&self) -> u64 {
+    pub(crate) fn left_after(&self) -> u64 {
         self.from
     }
 

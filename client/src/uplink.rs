@@ -12,7 +12,6 @@ use crate::failover::{Action, Failover, Feed, News};
 use crate::{Client, Error, Link, link};
 
 /// What comes next on a stream, whoever serves it.
-#[expect(clippy::large_enum_variant, reason = "most are batches: a box would be one more allocation each")]
 #[derive(Debug)]
 pub enum Next {
     /// For the buffer.
@@ -33,13 +32,16 @@ pub struct Uplink {
     warm: HashMap<usize, Client>,
     warming: JoinSet<(usize, Option<Client>)>,
     lines: HashMap<u64, Line>,
-    opening: JoinSet<(u64, Result<(Link, ToAxis), Error>)>,
+    opening: JoinSet<Attempted>,
     serving: Option<(u64, Link)>,
     /// What is to be handed out, in order.
     ready: VecDeque<Next>,
     /// Of every report the newest, where the server does not take them up.
     unsent: Option<Report>,
 }
+
+/// What came of opening a stream under an epoch.
+type Attempted = (u64, Result<(Link, ToAxis), Error>);
 
 /// The axis's side of a stream, or of one that is being opened.
 #[derive(Debug)]

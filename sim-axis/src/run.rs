@@ -114,10 +114,6 @@ pub struct StreamReport {
 }
 
 /// What a run tells while it goes on.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "nearly all are samples: a box would be one more allocation each"
-)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Update {
     /// How the axes follow.

@@ -2,7 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-use client::failover::Cause;
 use e2e::{move_of, planned};
 use tokio::task::JoinSet;
 
@@ -36,7 +35,6 @@ async fn soak() {
                 let name = format!("soak-{axis}/x");
                 let played = Run::begin(request(&name, &endpoints, &plan, LEAD)).await.finish().await;
                 played.is_undisturbed(&plan, &[]);
-                assert!(played.seen.changes.iter().all(|change| change.cause == Cause::Lost));
                 moves += 1;
                 failovers += played.failovers();
             }
