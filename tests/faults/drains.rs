@@ -81,12 +81,12 @@ async fn a_rolling_restart() {
             );
         });
     }
-    for index in 0..3 {
+    for name in names {
         let old = replicas.remove(0);
         let address = old.address();
         old.signal("TERM");
         assert_eq!(old.gone(Duration::from_secs(5)).await.code(), Some(0));
-        replicas.push(Replica::with(names[index], address, &[]).await);
+        replicas.push(Replica::with(name, address, &[]).await);
     }
     assert!(runs.try_join_next().is_none(), "the axes were to move for longer than that");
     while let Some(run) = runs.join_next().await {

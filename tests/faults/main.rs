@@ -20,4 +20,5 @@ mod replica;
 mod resumes;
 mod run;
 mod silences;
+mod soak;
 mod starvation;

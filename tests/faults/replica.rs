@@ -69,6 +69,11 @@ impl Replica {
         format!("http://{}", self.address)
     }
 
+    /// The number of the process.
+    pub(crate) fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Ends it as `kill -9` does: it says no good-bye.
     pub(crate) fn kill(&mut self) {
         self.child.kill().unwrap();

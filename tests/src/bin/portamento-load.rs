@@ -1,0 +1,370 @@
+//! How many axes two server processes serve on this machine: light axes, which accept, count, digest and report as real ones do, and
+//! have no plant. Half-way the server that serves all of them is killed.
+//!
+//! `cargo build --release -p portamento-server -p e2e && target/release/portamento-load --axes 250,500,1000`
+
+#![allow(clippy::print_stdout, reason = "the table is what it is for")]
+
+use std::error::Error;
+use std::io::{BufRead as _, BufReader};
+use std::process::{Child, Command, ExitCode, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use clap::Parser;
+use client::failover::{Change, DEFAULT_PATIENCE, Feed, News};
+use client::{Buffer, Next, Revision, Standing, Uplink};
+use e2e::{move_of, open, planned};
+use planner::{Accepted, Setpoint};
+use proto::stream::{Motion, Open, Refused};
+use serde_json::{Value, json};
+use tokio::sync::mpsc;
+
+/// Measures how many 1 kHz axes this machine serves without an underrun.
+#[derive(Clone, Debug, Parser)]
+#[command(name = "portamento-load", version)]
+struct Args {
+    /// How many axes, run after run, until one has an underrun.
+    #[arg(long, value_delimiter = ',', default_value = "250,500,1000", value_name = "COUNT")]
+    axes: Vec<usize>,
+    /// How long they play [s].
+    #[arg(long, default_value_t = 20, value_name = "SECONDS")]
+    seconds: u64,
+    /// Cycles per batch.
+    #[arg(long, default_value_t = 20, value_name = "CYCLES")]
+    batch: u32,
+    /// How far ahead an axis holds its setpoints [cycles].
+    #[arg(long, default_value_t = 100, value_name = "CYCLES")]
+    lead: u32,
+    /// Kill no server.
+    #[arg(long)]
+    no_kill: bool,
+    /// Print the results as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+type Failed = Box<dyn Error + Send + Sync>;
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    if !args.json {
+        println!(
+            "{:>6} {:>12} {:>10} {:>10} {:>9} {:>9} {:>9} {:>12} {:>10} {:>10}",
+            "axes",
+            "setpoints/s",
+            "underruns",
+            "least lead",
+            "failovers",
+            "p50 [ms]",
+            "max [ms]",
+            "server [CPU]",
+            "axes [CPU]",
+            "KiB/stream"
+        );
+    }
+    let mut rows = Vec::new();
+    for axes in args.axes.clone() {
+        match run(&args, axes) {
+            Ok(row) => {
+                if !args.json {
+                    print_row(&row);
+                }
+                let missed = row["underruns"] != 0;
+                rows.push(row);
+                if missed {
+                    break;
+                }
+            }
+            Err(error) => {
+                eprintln!("portamento-load: {axes} axes: {error}");
+                return ExitCode::FAILURE;
+            }
+        }
+    }
+    if args.json {
+        println!("{}", Value::Array(rows));
+    }
+    ExitCode::SUCCESS
+}
+
+fn print_row(row: &Value) {
+    let number = |key: &str| row[key].as_f64().unwrap_or(f64::NAN);
+    println!(
+        "{:>6} {:>12.0} {:>10} {:>10} {:>9} {:>9.2} {:>9.2} {:>12.2} {:>10.2} {:>10.1}",
+        number("axes"),
+        number("setpointsPerSecond"),
+        number("underruns"),
+        number("leastLeadCycles"),
+        number("failovers"),
+        number("failoverP50Ms"),
+        number("failoverMaxMs"),
+        number("serverCpu"),
+        number("axesCpu"),
+        number("kibPerStream")
+    );
+}
+
+/// What axes have seen, all together.
+#[derive(Debug, Default)]
+struct Tally {
+    opened: AtomicU64,
+    played: AtomicU64,
+    underruns: AtomicU64,
+    refused: AtomicU64,
+    over: AtomicBool,
+}
+
+fn run(args: &Args, axes: usize) -> Result<Value, Failed> {
+    let (mut first, second) = (Server::start("first")?, Server::start("second")?);
+    let endpoints = vec![first.endpoint.clone(), second.endpoint.clone()];
+    let empty = resident_kib(first.child.id())?;
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let tally = Arc::new(Tally::default());
+    let plan = planned(move_of(0.25 * (args.seconds + 60) as f64, 0.25));
+    let (changes, mut changed) = mpsc::unbounded_channel();
+    let (ends, mut least_leads) = mpsc::unbounded_channel();
+    runtime.block_on(async {
+        for axis_number in 0..axes {
+            let open = Open {
+                batch_cycles: args.batch,
+                lead_cycles: args.lead,
+                ..open(&format!("load/{axis_number}"), plan.clone())
+            };
+            let axis = Axis {
+                uplink: Uplink::new(
+                    endpoints.clone(),
+                    open.clone(),
+                    plan.plan().cycle_time(),
+                    DEFAULT_PATIENCE,
+                ),
+                tally: Arc::clone(&tally),
+                changes: changes.clone(),
+            };
+            let ends = ends.clone();
+            let plan = plan.clone();
+            tokio::spawn(async move {
+                let least = axis.play(&open, &plan).await;
+                // Nobody to tell is not a failure.
+                let _ = ends.send(least);
+            });
+            // One after the other: a thousand that begin at once are another question.
+            wait(Duration::from_millis(5)).await;
+        }
+        drop((changes, ends));
+        let mut look = tokio::time::interval(Duration::from_millis(10));
+        while (tally.opened.load(Ordering::Relaxed) as usize) < axes {
+            look.tick().await;
+        }
+        wait(Duration::from_millis(500)).await;
+        let loaded = resident_kib(first.child.id())?;
+        let began = Instant::now();
+        let before = (
+            tally.played.load(Ordering::Relaxed),
+            cpu(first.child.id())?,
+            cpu(second.child.id())?,
+            cpu(std::process::id())?,
+        );
+        wait(Duration::from_secs(args.seconds) / 2).await;
+        let half = (began.elapsed().as_secs_f64(), cpu(first.child.id())? - before.1);
+        if !args.no_kill {
+            first.child.kill()?;
+        }
+        wait(Duration::from_secs(args.seconds) / 2).await;
+        let took = began.elapsed().as_secs_f64();
+        let played = tally.played.load(Ordering::Relaxed) - before.0;
+        let axes_cpu = (cpu(std::process::id())? - before.3) / took;
+        tally.over.store(true, Ordering::Relaxed);
+        let mut least = u64::MAX;
+        while let Some(lead) = least_leads.recv().await {
+            least = least.min(lead);
+        }
+        let mut times: Vec<f64> = Vec::new();
+        while let Ok(change) = changed.try_recv() {
+            times.push(change.took.as_secs_f64() * 1e3);
+        }
+        times.sort_by(f64::total_cmp);
+        let at = |share: f64| times.get(((times.len().max(1) - 1) as f64 * share) as usize).copied();
+        Ok(json!({
+            "axes": axes,
+            "seconds": took,
+            "batchCycles": args.batch,
+            "leadCycles": args.lead,
+            "setpointsPerSecond": played as f64 / took,
+            "underruns": tally.underruns.load(Ordering::Relaxed),
+            "refusedBatches": tally.refused.load(Ordering::Relaxed),
+            "leastLeadCycles": least,
+            "failovers": times.len(),
+            "failoverP50Ms": at(0.5),
+            "failoverMaxMs": at(1.0),
+            "serverCpu": half.1 / half.0,
+            "axesCpu": axes_cpu,
+            "kibPerStream": loaded.saturating_sub(empty) as f64 / axes as f64,
+        }))
+    })
+}
+
+/// Nothing happens for so long.
+async fn wait(time: Duration) {
+    let _ = tokio::time::timeout(time, std::future::pending::<()>()).await;
+}
+
+/// An axis without a plant.
+struct Axis {
+    uplink: Uplink,
+    tally: Arc<Tally>,
+    changes: mpsc::UnboundedSender<Change>,
+}
+
+impl Axis {
+    /// Plays until all are told to end; gives the least lead that it has had.
+    async fn play(mut self, open: &Open, plan: &Accepted) -> u64 {
+        let Some(motion) = self.opened().await else { return 0 };
+        let setpoints: Vec<Setpoint> = plan.plan().sampler().at(0).collect();
+        let mut buffer = Buffer::new(&Standing {
+            epoch: self.uplink.failover().serving_epoch().unwrap_or(open.epoch),
+            lead_cycles: open.lead_cycles,
+            axis_guard: open.axis_guard,
+            plan: motion.plan(),
+            setpoints: &setpoints,
+        });
+        buffer.motion_ends_at(motion.last_cycle());
+        self.tally.opened.fetch_add(1, Ordering::Relaxed);
+        let batch = Duration::from_millis(u64::from(open.batch_cycles));
+        let (mut began, mut heeded) = (None, 0);
+        let mut reports = tokio::time::interval(batch);
+        while !self.tally.over.load(Ordering::Relaxed) {
+            let next = tokio::select! {
+                next = self.uplink.next() => Some(next),
+                _ = reports.tick() => None,
+            };
+            if began.is_none() && buffer.is_ready() {
+                began = Some(Instant::now());
+            }
+            // Every cycle that was due before this came: played now, it is played in time.
+            if let Some(began) = began
+                && !self.play_due(&mut buffer, began)
+            {
+                break;
+            }
+            let mut refused = None;
+            let is_due = match next {
+                Some(Next::Feed(Feed::Batch(epoch, mut batch))) => {
+                    refused = buffer.accept(epoch, &mut batch).err();
+                    refused.is_some()
+                }
+                Some(Next::Feed(Feed::Revised(epoch, revision))) => {
+                    buffer.announce(epoch, revision);
+                    false
+                }
+                Some(Next::Feed(Feed::Resuming)) => {
+                    heeded += 1;
+                    buffer.resuming(true);
+                    true
+                }
+                Some(Next::Feed(Feed::Stays)) => {
+                    buffer.resuming(false);
+                    false
+                }
+                Some(Next::Feed(Feed::GoesOn(epoch, rested))) => {
+                    drop::<Option<Revision>>(buffer.goes_on(epoch, rested));
+                    true
+                }
+                Some(Next::News(News::FailedOver(change))) => {
+                    // Nobody to tell is not a failure.
+                    let _ = self.changes.send(change);
+                    false
+                }
+                Some(Next::News(News::Over(_))) => break,
+                Some(Next::News(_)) => false,
+                None => began.is_some(),
+            };
+            if is_due {
+                self.report(&buffer, refused, heeded);
+            }
+        }
+        buffer.counters().least_lead_cycles
+    }
+
+    fn report(&mut self, buffer: &Buffer, refused: Option<Refused>, heeded: u64) {
+        self.tally.refused.fetch_add(u64::from(refused.is_some()), Ordering::Relaxed);
+        self.uplink.report(buffer.report(refused), heeded);
+    }
+
+    /// `false` where a cycle was due and not held: then it is over for this axis.
+    fn play_due(&self, buffer: &mut Buffer, began: Instant) -> bool {
+        let due = began.elapsed().as_millis() as u64;
+        let from = buffer.executed();
+        while buffer.executed() < due {
+            if buffer.play().is_none() {
+                self.tally.underruns.fetch_add(1, Ordering::Relaxed);
+                return false;
+            }
+        }
+        self.tally.played.fetch_add(buffer.executed() - from, Ordering::Relaxed);
+        true
+    }
+
+    async fn opened(&mut self) -> Option<Motion> {
+        loop {
+            match self.uplink.next().await {
+                Next::News(News::Opened(opened)) => return Some(opened.motion),
+                Next::News(News::Over(how)) => {
+                    eprintln!("portamento-load: a stream does not open: {how:?}");
+                    return None;
+                }
+                Next::News(_) | Next::Feed(_) => {}
+            }
+        }
+    }
+}
+
+/// A server process, gone with its value.
+struct Server {
+    child: Child,
+    endpoint: String,
+}
+
+impl Server {
+    fn start(name: &str) -> Result<Self, Failed> {
+        let binary = std::env::current_exe()?.with_file_name("portamento-server");
+        let mut command = Command::new(&binary);
+        command.args(["--listen", "127.0.0.1:0", "--served-by", name]).env("RUST_LOG", "serving=info");
+        let spawned = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
+        let mut child = spawned.map_err(|error| {
+            format!("{} cannot be started: {error}; build it first, in the same profile", binary.display())
+        })?;
+        let lines = child.stderr.take().map(BufReader::new).map(BufReader::lines);
+        let mut lines = lines.into_iter().flatten().map_while(Result::ok);
+        let address = lines.find_map(|line| Some(line.split_once("serving address=")?.1.trim().to_owned()));
+        // Read on, or a full pipe would hold the server up.
+        std::thread::spawn(move || lines.for_each(drop));
+        let address = address.ok_or("the server does not serve")?;
+        Ok(Self { child, endpoint: format!("http://{address}") })
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // It may be dead already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// CPU time that a process has used [s]. Source: proc(5), fields 14 and 15 of `stat`, in ticks of 10 ms.
+fn cpu(process: u32) -> Result<f64, Failed> {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat"))?;
+    let after_name = stat.rsplit_once(')').ok_or("stat has no name")?.1;
+    let ticks =
+        after_name.split_whitespace().skip(11).take(2).map(str::parse::<u64>).sum::<Result<u64, _>>()?;
+    Ok(ticks as f64 / 100.0)
+}
+
+/// Memory that a process has in use [KiB].
+fn resident_kib(process: u32) -> Result<u64, Failed> {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status"))?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).ok_or("status has no VmRSS")?;
+    Ok(line.split_whitespace().next().unwrap_or_default().parse()?)
+}
