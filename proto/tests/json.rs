@@ -98,7 +98,7 @@ fn every_kind_of_value_has_its_form() {
 
     assert_eq!(
         to_json_pretty(&pb::StopTail::default()).unwrap(),
-        "{\n  \"segments\": []\n}",
+        "{\n  \"segments\": [],\n  \"restPosition\": 0.0\n}",
         "indented by two"
     );
 }

@@ -297,7 +297,8 @@ impl Failover {
         let Some(record) = &self.record else {
             self.record = Some(Record::opened(opened.motion.clone()));
             self.goes_on_with(now, serving);
-            return self.tell(News::Opened(Box::new(opened)));
+            self.tell(News::Opened(Box::new(opened)));
+            return self.ask_everything();
         };
         if opened.current_epoch != epoch || opened.motion.revision() != record.motion().revision() {
             self.drop_line(epoch);
@@ -326,6 +327,11 @@ impl Failover {
         self.feed(Feed::GoesOn(epoch, rested));
         self.goes_on_with(now, serving);
         self.tell(News::FailedOver(change));
+        self.ask_everything();
+    }
+
+    /// Asks for all that was not answered by whoever served before, or that was asked before anybody did.
+    fn ask_everything(&mut self) {
         self.undone.clear();
         for operation in self.unanswered.clone() {
             self.say(proto::stream::FromAxis::Operation(operation));

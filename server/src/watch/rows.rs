@@ -58,7 +58,9 @@ impl Rows {
             return;
         }
         let Some(first) = self.rows.front().map(|row| row.cycle) else { return };
-        for (index, cycle) in (0..cycles).zip(tracking.first_cycle..) {
+        for index in 0..cycles {
+            // A peer says which cycles these are: any number may come.
+            let Some(cycle) = tracking.first_cycle.checked_add(index as u64) else { return };
             let place = cycle.checked_sub(first).and_then(|place| usize::try_from(place).ok());
             let Some(row) = place.and_then(|place| self.rows.get_mut(place)) else { continue };
             let of_axes = |column: &[f64]| (0..self.axes).map(|axis| column[axis * cycles + index]).collect();
