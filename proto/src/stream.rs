@@ -70,7 +70,6 @@ pub struct Open {
 }
 
 /// What a stream is opened with.
-#[expect(clippy::large_enum_variant, reason = "an open comes once a stream: a box would save nothing")]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// A new motion, from the state in which the axis stands.

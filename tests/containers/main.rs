@@ -3,7 +3,13 @@
 //!
 //! Needs a Docker engine: `cargo test -p e2e --test containers`. Where there is none the tests say so and are skipped;
 //! with `PORTAMENTO_REQUIRE_DOCKER=1` that is a failure.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may fail by panicking")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test may fail by panicking, and compares counts"
+)]
 
 mod cell;
 mod engine;

@@ -13,8 +13,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use clap::Parser;
-use client::failover::{Change, DEFAULT_PATIENCE, Feed, News};
-use client::{Buffer, Next, Revision, Standing, Uplink};
+use client::failover::{Change, Feed, News};
+use client::{Buffer, Next, Revision, Servers, Standing, Uplink};
 use e2e::{move_of, open, planned};
 use planner::{Accepted, Setpoint};
 use proto::stream::{Motion, Open, Refused};
@@ -133,12 +133,7 @@ fn run(args: &Args, axes: usize) -> Result<Value, Failed> {
                 ..open(&format!("load/{axis_number}"), plan.clone())
             };
             let axis = Axis {
-                uplink: Uplink::new(
-                    endpoints.clone(),
-                    open.clone(),
-                    plan.plan().cycle_time(),
-                    DEFAULT_PATIENCE,
-                ),
+                uplink: Uplink::new(Servers::at(endpoints.clone()), open.clone(), plan.plan().cycle_time()),
                 tally: Arc::clone(&tally),
                 changes: changes.clone(),
             };
