@@ -1,3 +1,5 @@
+#![allow(rustdoc::bare_urls, reason = "help texts show addresses as they are typed")]
+
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};

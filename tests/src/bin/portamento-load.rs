@@ -4,6 +4,7 @@
 //! `cargo build --release -p portamento-server -p e2e && target/release/portamento-load --axes 250,500,1000`
 
 #![allow(clippy::print_stdout, reason = "the table is what it is for")]
+#![allow(rustdoc::broken_intra_doc_links, reason = "units stand in square brackets in help texts")]
 
 use std::error::Error;
 use std::io::{BufRead as _, BufReader};
