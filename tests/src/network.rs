@@ -130,10 +130,11 @@ impl Network {
         self.axes[axis].core.operate(operation);
     }
 
-    /// Are all streams over?
+    /// Are all streams over, and is all played that is held?
     #[must_use]
     pub fn is_over(&self) -> bool {
-        self.axes.iter().all(|axis| axis.over.is_some())
+        let is_played = |axis: &Axis| axis.buffer.as_ref().is_none_or(|buffer| buffer.held() == 0);
+        self.axes.iter().all(|axis| axis.over.is_some() && is_played(axis))
     }
 
     /// One cycle.
