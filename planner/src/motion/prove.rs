@@ -1,6 +1,6 @@
 //! What was planned, before the judge; and what cannot be kept, since it was broken before the operation.
 
-use alloc::string::String;
+use alloc::string::{String, ToString as _};
 use alloc::vec::Vec;
 
 use super::Refused;
