@@ -8,7 +8,8 @@ use crate::failure::Failure;
 /// A server in a runtime of its own, on a free port of this machine.
 #[derive(Debug)]
 pub(crate) struct Replica {
-    runtime: Runtime,
+    /// There until it is dropped.
+    runtime: Option<Runtime>,
     endpoint: String,
 }
 
@@ -22,7 +23,7 @@ impl Replica {
         let server = runtime.block_on(Server::bind(config)).map_err(|error| internal(&error))?;
         let endpoint = format!("http://{}", server.address());
         runtime.spawn(server.run(std::future::pending()));
-        Ok(Self { runtime, endpoint })
+        Ok(Self { runtime: Some(runtime), endpoint })
     }
 
     pub(crate) fn endpoint(&self) -> String {
@@ -31,6 +32,13 @@ impl Replica {
 
     /// Ends it without a word, as a process ends that is killed: its connections are cut where they are.
     pub(crate) fn kill(self) {
-        self.runtime.shutdown_background();
+        drop(self);
+    }
+}
+
+impl Drop for Replica {
+    /// A runtime that is dropped waits for its tasks, which another runtime does not allow.
+    fn drop(&mut self) {
+        self.runtime.take().into_iter().for_each(Runtime::shutdown_background);
     }
 }

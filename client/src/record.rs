@@ -54,6 +54,12 @@ impl Record {
         self.last.is_some_and(|last| self.held() >= last)
     }
 
+    /// Has the axis executed the last cycle of the stream?
+    #[must_use]
+    pub fn is_executed(&self) -> bool {
+        self.last.is_some_and(|last| self.executed >= last)
+    }
+
     fn mark(&self) -> (u64, Digest) {
         self.marks.back().copied().unwrap_or_default()
     }

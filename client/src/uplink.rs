@@ -55,8 +55,8 @@ pub struct Uplink {
     serving: Option<(u64, Link)>,
     /// What is to be handed out, in order.
     ready: VecDeque<Next>,
-    /// Of every report the newest, where the server does not take them up.
-    unsent: Option<Report>,
+    /// What is to be said to servers that do not take it up just now, in order, with the epochs of their streams.
+    unsent: VecDeque<(u64, FromAxis)>,
 }
 
 /// The axis's side of a stream, or of one that is being opened.
@@ -75,6 +75,8 @@ enum Happened {
     Heard(u64, Result<Option<(u64, ToAxis)>, Error>),
     Opened(u64, Result<FirstHeard, Error>),
     Warmed(usize, Option<Client>),
+    /// There is room for what is unsent.
+    Room,
     Woken,
 }
 
@@ -93,7 +95,7 @@ impl Uplink {
             opening: JoinSet::new(),
             serving: None,
             ready: VecDeque::new(),
-            unsent: None,
+            unsent: VecDeque::new(),
         }
     }
 
@@ -163,7 +165,7 @@ impl Uplink {
                 Happened::Warmed(endpoint, client) => {
                     self.warm.extend(client.map(|client| (endpoint, client)));
                 }
-                Happened::Woken => {}
+                Happened::Room | Happened::Woken => {}
             }
             self.core.woken(self.begun.elapsed());
         }
@@ -203,24 +205,34 @@ impl Uplink {
                 Action::Try { endpoint, open } => self.open(endpoint, *open),
             }
         }
-        if let (Some(report), Some(epoch)) = (self.unsent.take(), self.core.serving_epoch()) {
-            self.send(epoch, FromAxis::Report(report));
+        self.flush();
+    }
+
+    /// A newer report says all that an older one did, but for what was refused: of those that wait, the newest is enough.
+    fn send(&mut self, epoch: u64, message: FromAxis) {
+        if let FromAxis::Report(report) = &message
+            && let Some((waits_for, FromAxis::Report(older))) = self.unsent.back_mut()
+            && *waits_for == epoch
+        {
+            let refused = report.refused.clone().or(older.refused.take());
+            *older = Report { refused, ..report.clone() };
+        } else {
+            self.unsent.push_back((epoch, message));
         }
     }
 
-    /// A newer report says all that an older one did, but for what was refused; and a server that takes up none hears the newest.
-    fn send(&mut self, epoch: u64, message: FromAxis) {
-        let Some(line) = self.lines.get(&epoch) else { return };
-        let message = match message {
-            FromAxis::Report(report) => {
-                let refused = self.unsent.take().and_then(|older| older.refused);
-                FromAxis::Report(Report { refused: report.refused.clone().or(refused), ..report })
+    /// Says what is unsent, as far as there is room for it.
+    fn flush(&mut self) {
+        while let Some((epoch, message)) = self.unsent.front() {
+            if let Some(line) = self.lines.get(epoch) {
+                match line.outgoing.try_reserve() {
+                    Ok(permit) => permit.send(proto::request_to_wire(message)),
+                    Err(mpsc::error::TrySendError::Full(())) => return,
+                    // What came of the stream is told elsewhere.
+                    Err(mpsc::error::TrySendError::Closed(())) => {}
+                }
             }
-            other => other,
-        };
-        let sent = line.outgoing.try_send(proto::request_to_wire(&message));
-        if let (Err(mpsc::error::TrySendError::Full(_)), FromAxis::Report(report)) = (sent, message) {
-            self.unsent = Some(report);
+            self.unsent.pop_front();
         }
     }
 
@@ -263,7 +275,7 @@ impl Uplink {
     }
 
     async fn happens(&mut self) -> Happened {
-        let Self { core, begun, warming, opening, serving, .. } = self;
+        let Self { core, begun, warming, opening, serving, lines, unsent, .. } = self;
         let heard = async {
             match serving {
                 Some((epoch, link)) => Happened::Heard(*epoch, link.next().await),
@@ -289,6 +301,13 @@ impl Uplink {
                 }
             }
         };
+        let room = async {
+            match unsent.front().and_then(|(epoch, _)| lines.get(epoch)) {
+                // Closed or not: there is something to be done about it.
+                Some(line) => drop(line.outgoing.reserve().await),
+                None => std::future::pending().await,
+            }
+        };
         let woken = async {
             match core.wake_at() {
                 Some(at) => tokio::time::sleep_until(*begun + at).await,
@@ -299,6 +318,7 @@ impl Uplink {
             biased;
             heard = heard => heard,
             opened = opened => opened,
+            () = room => Happened::Room,
             () = woken => Happened::Woken,
             warmed = warmed => warmed,
         }

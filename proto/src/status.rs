@@ -92,6 +92,20 @@ impl Rejected {
         Some(Self { fields, ..Self::new(reason, message) })
     }
 
+    /// An operation that the axis had not adopted when the session ended: nothing is wrong with it, and whoever goes on with the stream may be
+    /// asked again.
+    #[must_use]
+    pub fn left_undone() -> Self {
+        let text = "the session ended before the axis had adopted the operation: send it again with the same request_id";
+        Self::new(Reason::NotConfirmed, text).with(SESSION_ENDED, true)
+    }
+
+    /// Is it such an operation?
+    #[must_use]
+    pub fn is_left_undone(&self) -> bool {
+        self.reason == Reason::NotConfirmed && self.metadata.contains_key(SESSION_ENDED)
+    }
+
     /// The same with one more fact. Numbers are written so that they read back to the same value.
     #[must_use]
     pub fn with(mut self, key: impl Into<String>, value: impl ToString) -> Self {
@@ -216,6 +230,9 @@ const TEXT_OVERHEAD: usize = 4;
 const FIELDS_OMITTED: &str = "fields_omitted";
 /// Metadata key under which a refusal says how long to wait before asking again \[s\].
 const RETRY_AFTER: &str = "retry_after_s";
+
+/// The metadata key of [`Rejected::left_undone`].
+const SESSION_ENDED: &str = "session_ended";
 
 /// At most `room` bytes of `text`, ending in an ellipsis if it had to be cut.
 fn clipped(text: &str, room: usize) -> String {

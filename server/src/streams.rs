@@ -128,7 +128,7 @@ impl Streams {
             Err(mpsc::error::TrySendError::Full(_)) => return Err(overloaded(stream)),
             Err(mpsc::error::TrySendError::Closed(_)) => return Err(not_here(stream)),
         }
-        answered.await.unwrap_or_else(|_| Err(not_confirmed(stream)))
+        answered.await.unwrap_or_else(|_| Err(Rejected::left_undone()))
     }
 }
 
@@ -174,13 +174,6 @@ fn overloaded(stream: &str) -> Rejected {
     let text =
         format!("{COMMANDS} commands wait for stream {stream:?}, as many as may: ask again in a moment");
     Rejected::new(Reason::Overloaded, text).with("allowed", COMMANDS).retry_after(Duration::from_millis(100))
-}
-
-fn not_confirmed(stream: &str) -> Rejected {
-    let text = format!(
-        "the session of stream {stream:?} ended before it answered: send the operation again with the same request_id"
-    );
-    Rejected::new(Reason::NotConfirmed, text)
 }
 
 #[cfg(test)]

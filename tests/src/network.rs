@@ -341,6 +341,12 @@ impl Axis {
         self.buffer.as_ref()
     }
 
+    /// Has it come to rest by itself?
+    #[must_use]
+    pub fn has_starved(&self) -> bool {
+        self.buffer.as_ref().is_some_and(|buffer| buffer.counters().underruns > 0)
+    }
+
     /// What was decided so far.
     #[must_use]
     pub fn failover(&self) -> &Failover {

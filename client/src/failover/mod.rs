@@ -139,6 +139,9 @@ pub enum Action {
 /// again.
 pub const DEFAULT_PATIENCE: Duration = Duration::from_secs(10);
 
+/// How long a server may take to say that the stream has ended, once all of it is executed.
+const FAREWELL: Duration = Duration::from_secs(1);
+
 /// How many batches of a server in a row the axis refuses before another is asked: it has sent again what came wrong once.
 const MOST_REFUSALS: u32 = 2;
 
@@ -160,13 +163,15 @@ pub struct Failover {
     /// The digest of the end of a way to rest that no server knows of yet.
     rested: Option<Digest>,
     unanswered: Vec<Operation>,
-    /// Those of them that the server has left undone, while another was looked for.
-    undone: Vec<String>,
+    /// Those of them that a server has left undone: the next one is asked, and if there is none they are answered so.
+    undone: Vec<(String, Rejected)>,
     /// Why the stream is not served any more.
     lost_for: Option<Failure>,
     last_failure: Option<Failure>,
     /// The server said that the stream has ended.
     finished: bool,
+    /// All is executed, and only the farewell of the server is waited for, until then.
+    farewell_until: Option<Duration>,
     over: bool,
     /// When setpoints last came, or the server was opened.
     fed_at: Duration,
@@ -209,6 +214,7 @@ impl Failover {
             lost_for: None,
             last_failure: None,
             finished: false,
+            farewell_until: None,
             over: false,
             fed_at: now,
             fed_to: 0,
@@ -232,7 +238,8 @@ impl Failover {
     /// When [`woken`](Self::woken) is to be called at the latest; `None` where only what happens counts.
     #[must_use]
     pub fn wake_at(&self) -> Option<Duration> {
-        if self.over { None } else { [self.search.wake_at(), self.suspects_at()].into_iter().flatten().min() }
+        let wakes = [self.search.wake_at(), self.suspects_at(), self.farewell_until];
+        if self.over { None } else { wakes.into_iter().flatten().min() }
     }
 
     /// Nothing more will come.
@@ -315,10 +322,12 @@ impl Failover {
                 self.tell(News::Answer(result.request_id.clone(), Ok(result)));
             }
             ToAxis::Refusal(OperationRefusal { request_id, rejected }) => {
-                // A session that ends leaves undone what the next one is asked again; and an axis that looks for another server begins
-                // no revision.
-                if rejected.reason == Reason::NotConfirmed && !self.search.is_idle() {
-                    return self.undone.push(request_id);
+                // What a session leaves undone, the next one is asked again; and an axis that looks for another server begins no
+                // revision.
+                let again = rejected.is_left_undone()
+                    || (rejected.reason == Reason::NotConfirmed && !self.search.is_idle());
+                if again {
+                    return self.undone.push((request_id, rejected));
                 }
                 self.unanswered.retain(|operation| operation.request_id != request_id);
                 self.tell(News::Answer(request_id, Err(rejected)));
@@ -377,6 +386,9 @@ impl Failover {
         if report.refused.is_some() {
             self.fed_to = record.held();
         }
+        // A line that has gone silent must not keep the axis from its end.
+        self.farewell_until =
+            if record.is_executed() { self.farewell_until.or(Some(now + FAREWELL)) } else { None };
         if let Some(refused) = report.refused.as_ref().filter(|refused| refused.reason.is_of_its_server()) {
             self.refusals += 1;
             if self.refusals >= MOST_REFUSALS {
@@ -422,7 +434,10 @@ impl Failover {
     /// Asks again for what was left undone meanwhile.
     fn ask_again(&mut self) {
         let undone = std::mem::take(&mut self.undone);
-        let again = self.unanswered.iter().filter(|operation| undone.contains(&operation.request_id));
+        let again = self
+            .unanswered
+            .iter()
+            .filter(|operation| undone.iter().any(|(id, _)| *id == operation.request_id));
         for operation in again.cloned().collect::<Vec<_>>() {
             self.say(FromAxis::Operation(operation));
         }
@@ -448,6 +463,10 @@ impl Failover {
             self.actions.push_back(Action::Drop(epoch));
         }
         self.over = true;
+        for (request_id, rejected) in std::mem::take(&mut self.undone) {
+            self.unanswered.retain(|operation| operation.request_id != request_id);
+            self.tell(News::Answer(request_id, Err(rejected)));
+        }
         self.tell(News::Over(how));
     }
 

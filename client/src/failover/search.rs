@@ -145,6 +145,9 @@ impl Failover {
         if self.over {
             return;
         }
+        if self.farewell_until.is_some_and(|until| until <= now) {
+            return self.end(Ok(()));
+        }
         if self.suspects_at().is_some_and(|at| at <= now) {
             self.look_elsewhere(now, Cause::Silent);
         }

@@ -160,9 +160,7 @@ impl Session {
     pub(super) fn leave_undone(&mut self) {
         let in_flight = self.splice.take().map(|splice| splice.waiting);
         for waiting in in_flight.into_iter().chain(self.queue.take_all()) {
-            let text = "the session ended before the axis had adopted the operation: send it again with the same \
-                        request_id";
-            self.settle(waiting, &Err(Rejected::new(Reason::NotConfirmed, text)));
+            self.settle(waiting, &Err(Rejected::left_undone()));
         }
     }
 
