@@ -33,6 +33,8 @@ use crate::starved::Starved;
 pub struct Buffer {
     adopted: Revision,
     announced: Option<Revision>,
+    /// By which cycle it is adopted, or never.
+    awaits_until: u64,
     /// Was adopted before: freed where there is time for it.
     retired: Option<Revision>,
     epoch: u64,
@@ -96,6 +98,7 @@ impl Buffer {
         Self {
             adopted,
             announced: None,
+            awaits_until: 0,
             retired: None,
             epoch: standing.epoch,
             resuming: false,
@@ -204,10 +207,16 @@ impl Buffer {
         epoch != self.epoch || self.is_starved()
     }
 
-    /// Is a revision announced and not adopted?
+    /// Is a revision announced and not adopted? Not for longer than two leads: the server has withdrawn it then.
     #[must_use]
     pub fn awaits_revision(&self) -> bool {
-        self.announced.is_some()
+        self.announced.is_some() && self.executed < self.awaits_until
+    }
+
+    /// Is the last cycle of the stream held, or executed?
+    #[must_use]
+    pub fn has_last(&self) -> bool {
+        self.last.is_some()
     }
 
     /// Takes note of what the server will send next; of another epoch it is dropped and counted. Gives back what is not needed
@@ -217,6 +226,7 @@ impl Buffer {
             self.counters.stale_epochs += 1;
             return Some(revision);
         }
+        self.awaits_until = self.executed + 2 * self.lead;
         // What was announced before was refused, or the server would not announce again.
         self.announced.replace(revision).or_else(|| self.retired.take())
     }

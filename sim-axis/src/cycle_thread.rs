@@ -11,6 +11,7 @@
 //! Between two cycles of a run the thread allocates nothing, locks nothing that somebody holds for long, and logs nothing.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::{self, Thread};
 
 use client::Revision;
@@ -74,6 +75,7 @@ pub(crate) struct Feed {
     batches: Producer<Fed>,
     emptied: Consumer<Emptied>,
     room: Arc<Notify>,
+    asked_from: Arc<AtomicU64>,
     thread: Waker,
 }
 
@@ -113,6 +115,8 @@ struct Inside {
     batches: Consumer<Fed>,
     emptied: Producer<Emptied>,
     room: Arc<Notify>,
+    /// From which cycle on an operation is asked for that is not answered.
+    asked_from: Arc<AtomicU64>,
     reports: Producer<Word>,
     /// The newest report that found no room.
     unsent: Option<Report>,
@@ -157,12 +161,14 @@ pub(crate) fn spawn(player: Player, cycle: CycleTime, clock: Clock) -> std::io::
         let _ = empty_in.push(Chunk::with_room_for(chunk_cycles, axes));
     }
     let (room, reported, sampled) = (Arc::default(), Arc::default(), Arc::default());
+    let asked_from = Arc::new(AtomicU64::new(u64::MAX));
     let inside = Inside {
         player,
         lateness: Lateness::default(),
         batches: batch_out,
         emptied: emptied_in,
         room: Arc::clone(&room),
+        asked_from: Arc::clone(&asked_from),
         reports: report_in,
         unsent: None,
         heeded: 0,
@@ -181,7 +187,7 @@ pub(crate) fn spawn(player: Player, cycle: CycleTime, clock: Clock) -> std::io::
     })?;
     let thread = Waker(handle.thread().clone());
     Ok(Outside {
-        feed: Feed { batches: batch_in, emptied: emptied_out, room, thread: thread.clone() },
+        feed: Feed { batches: batch_in, emptied: emptied_out, room, asked_from, thread: thread.clone() },
         reports: ReportRing { reports: report_out, news: reported, thread: thread.clone() },
         samples: SampleRing { full: full_out, empty: empty_in, news: sampled, thread },
         outcome,
@@ -208,7 +214,7 @@ impl Inside {
     /// One cycle per period. Late cycles run back to back until they have caught up.
     fn keep_time(&mut self, cycle: CycleTime) -> Result<(), Abandoned> {
         be_prompt();
-        while self.player.is_waiting() && self.player.is_short_of_data() {
+        while self.player.is_waiting() && self.player.is_short_of_data(u64::MAX) {
             self.put_out_report();
             thread::park();
             self.take_in()?;
@@ -239,7 +245,8 @@ impl Inside {
                 thread::park();
                 continue;
             }
-            if self.player.is_short_of_data() || !self.has_chunk() {
+            let asked_from = self.asked_from.load(Ordering::Acquire);
+            if self.player.is_short_of_data(asked_from) || !self.has_chunk() {
                 self.put_out_report();
                 thread::park();
                 continue;
@@ -364,6 +371,13 @@ impl Feed {
                 return false;
             }
             self.room.notified().await;
+        }
+    }
+
+    /// Tells from which cycle on an operation is asked for that is not answered: virtual time waits for the answer before the motion ends.
+    pub(crate) fn asked_from(&self, cycle: u64) {
+        if self.asked_from.swap(cycle, Ordering::AcqRel) != cycle {
+            self.thread.wake();
         }
     }
 }

@@ -194,24 +194,23 @@ impl Player {
         }
     }
 
-    /// Would a cycle now come too early for whoever can wait: has execution not begun, or is more of the motion to come and
-    /// no more than half the lead held? An axis that hurries through half of it and then waits asks for no more than its
-    /// credit, and the least lead that it reports is one that it needed.
+    /// Would a cycle now come too early for whoever can wait: has execution not begun, or is more to come and no more than half the lead
+    /// held? An axis that hurries through half of it and then waits asks for no more than its credit, and the least lead that it
+    /// reports is one that it needed. At rest too: what an operation begins there has to find room ahead of it.
+    ///
+    /// Where the last cycle is held, an operation that is asked for and not answered may still change that: `asked_from` is the first cycle at
+    /// which one may take effect, `u64::MAX` where there is none.
     #[must_use]
-    pub fn is_short_of_data(&self) -> bool {
+    pub fn is_short_of_data(&self, asked_from: u64) -> bool {
         match self.phase {
             Phase::Waiting => !self.buffer.is_ready() && !self.closed,
             Phase::Playing => {
-                let more_is_to_come = !self.closed && !self.has_all();
+                let asked = asked_from <= self.buffer.accepted();
+                let more_is_to_come = !self.closed && (asked || !self.buffer.has_last());
                 more_is_to_come && self.buffer.held() <= self.buffer.lead() / 2
             }
             Phase::Settling | Phase::Over => false,
         }
-    }
-
-    /// Is the whole motion held, or played?
-    fn has_all(&self) -> bool {
-        self.buffer.accepted() >= self.buffer.motion_end() && self.buffer.held() > 0
     }
 
     /// Does the axis rest, at the end of its motion or held, watched to the end of the settle window, on a stream that stays open?

@@ -538,6 +538,7 @@ impl Stream<'_> {
                     None => asked = false,
                 },
             }
+            feed.asked_from(self.uplink.failover().asked_from());
         };
         self.waiting.give_up();
         feed.push(Fed::Closed).await;

@@ -131,7 +131,10 @@ fn replayed(plan: &Accepted, results: &[OperationResult]) -> Result<Digest, Fail
         }
         played = to.max(played);
     };
-    for ((.., ask), result) in OPERATIONS.into_iter().zip(results) {
+    // In the order in which they came into effect: one that the axis had refused for being late is tried again after others.
+    let mut done: Vec<_> = OPERATIONS.into_iter().zip(results).collect();
+    done.sort_by_key(|(_, result)| result.revision);
+    for ((.., ask), result) in done {
         play(&motion, result.effective_cycle - 1);
         let operation = Operation::now("replay", ask).planned().map_err(Failure::refused)?;
         motion = motion.splice(result.effective_cycle, &operation).map_err(Failure::refused)?.motion;

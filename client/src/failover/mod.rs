@@ -431,6 +431,13 @@ impl Failover {
         self.say(FromAxis::Operation(operation));
     }
 
+    /// The first cycle at which an operation may take effect that is asked for and not answered; `u64::MAX` where there is none.
+    #[must_use]
+    pub fn asked_from(&self) -> u64 {
+        let from = self.unanswered.iter().map(|operation| operation.not_before_cycle.unwrap_or(0));
+        from.min().unwrap_or(u64::MAX)
+    }
+
     /// Asks again for what was left undone meanwhile.
     fn ask_again(&mut self) {
         let undone = std::mem::take(&mut self.undone);
