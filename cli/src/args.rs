@@ -4,6 +4,7 @@ mod command;
 mod compare;
 mod diff;
 mod field;
+mod grade;
 mod init;
 mod limits;
 mod motion;
@@ -24,6 +25,7 @@ pub(crate) use command::{CommandArgs, Order};
 pub(crate) use compare::CompareArgs;
 pub(crate) use diff::DiffArgs;
 pub(crate) use field::{flag_of, in_flags};
+pub(crate) use grade::GradeArgs;
 pub(crate) use init::{InitArgs, What};
 pub(crate) use limits::{HigherLimitFlags, LimitFlags};
 pub(crate) use motion::{Kind, LOST_DISTANCE, MoveFlags};
@@ -59,6 +61,7 @@ Examples:
   portamento command hold --axis http://127.0.0.1:50052
   portamento watch
   portamento replay run.mcap
+  portamento grade
   portamento explain PATH_TOO_SHORT
 
 Exit codes:
@@ -141,6 +144,7 @@ pub(crate) enum Command {
     Operate(CommandArgs),
     Watch(WatchArgs),
     Replay(ReplayArgs),
+    Grade(GradeArgs),
     Explain(ExplainArgs),
 }
 

@@ -12,6 +12,8 @@ use tokio::sync::Semaphore;
 
 use crate::failure::Failure;
 
+/// Where a server listens unless it is told otherwise.
+pub(crate) const USUAL_SERVER: &str = "http://127.0.0.1:50051";
 /// How many requests wait for a server's answer at once.
 const IN_FLIGHT: usize = 256;
 

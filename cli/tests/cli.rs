@@ -43,7 +43,7 @@ fn unversioned(text: &str) -> String {
 fn help_teaches() {
     for command in [
         "", "demo", "init", "plan", "pvt", "compare", "verify", "diff", "sample", "track", "command",
-        "watch", "replay", "explain",
+        "watch", "replay", "grade", "explain",
     ] {
         let args: Vec<&str> = [command, "--help"].into_iter().filter(|arg| !arg.is_empty()).collect();
         let help = portamento(&args, "").with(0).out;
@@ -336,6 +336,29 @@ fn server() -> String {
         });
     });
     heard.recv().unwrap()
+}
+
+#[test]
+fn a_link_is_graded() {
+    let endpoint = server();
+    let args = ["grade", "--endpoint", &endpoint, "--time", "1s"];
+    let shown = portamento(&args, "").with(0).out;
+    for part in
+        ["round trip", "arrival gap", "wakes up late by", "opens a stream in", "up to", "lead", "guard"]
+    {
+        assert!(shown.contains(part), "{shown}");
+    }
+    assert!(shown.lines().all(|line| line.chars().count() <= 80), "{shown}");
+    let told = portamento(&[&args[..], &["--json"]].concat(), "").with(0).out;
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    let lead = told["leadCycles"].as_u64().unwrap();
+    assert!((10..=250).contains(&lead) && told["axisGuard"].as_u64().unwrap() >= 1, "{told}");
+    assert!(told["roundTrip"]["count"].as_u64().unwrap() > 50, "{told}");
+    assert_eq!(told["lateness"]["count"], 1000, "a cycle of one millisecond each");
+    assert!(told["roundTrip"]["worst"].as_f64() >= told["roundTrip"]["median"].as_f64(), "{told}");
+
+    let refused = portamento(&["grade", "--time", "10ms"], "").with(2).err;
+    assert!(refused.contains("1s to 1h"), "{refused}");
 }
 
 #[test]

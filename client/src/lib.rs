@@ -16,6 +16,7 @@ mod connect;
 mod control;
 mod error;
 pub mod failover;
+pub mod grade;
 mod join;
 mod link;
 mod record;

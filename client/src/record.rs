@@ -143,8 +143,11 @@ impl Record {
         let (held, digest) = self.mark();
         let first = self.motion.under_way.from_cycle();
         let earliest = first.max((held + 1).saturating_sub(FARTHEST_CHECKPOINT));
-        let marks = self.marks.iter().find(|(cycle, _)| *cycle + 1 >= earliest);
-        let &(cycle, checkpoint_digest) = marks.unwrap_or(&(held, digest));
+        // All that is held and not executed is checked, and no more: a thousand axes may come at once.
+        let mut marks = self.marks.iter().rev().filter(|(cycle, _)| *cycle + 1 >= earliest);
+        let executed = |(cycle, _): &&(u64, Digest)| *cycle <= self.executed;
+        let &(cycle, checkpoint_digest) =
+            marks.clone().find(executed).or_else(|| marks.next_back()).unwrap_or(&(held, digest));
         // The digest before cycle 0 is that of cycle 0, which is not in it.
         let checkpoint_cycle = if cycle == 0 && first == 0 { 0 } else { cycle + 1 };
         Resume {

@@ -1,6 +1,7 @@
 //! The one place where time is read and waited for.
 
 use std::num::NonZeroU64;
+use std::time::Duration;
 
 use planner::CycleTime;
 use rustix::io::Errno;
@@ -53,6 +54,14 @@ const NS_PER_SECOND: u64 = 1_000_000_000;
 fn now_ns() -> u64 {
     let Timespec { tv_sec, tv_nsec } = clock_gettime(ClockId::Monotonic);
     tv_sec.unsigned_abs() * NS_PER_SECOND + tv_nsec.unsigned_abs()
+}
+
+/// How late a cycle thread of this machine begins each of `cycles` cycles, with nothing to do in them. Blocks until they are over.
+#[must_use]
+pub fn lateness_of(cycle: CycleTime, cycles: u64) -> Vec<Duration> {
+    be_prompt();
+    let mut deadlines = Deadlines::from_now(cycle);
+    (0..cycles).map(|_| Duration::from_nanos(deadlines.wait())).collect()
 }
 
 fn sleep_until(ns: u64) {

@@ -56,7 +56,7 @@ mod watched;
 
 pub use audit::{InvalidField, InvalidModel};
 pub use axis::{Axis, AxisConfig, InvalidConfig, Observation};
-pub use clock::Clock;
+pub use clock::{Clock, lateness_of};
 pub use commands::{Answered, Commander};
 pub use config::Config;
 pub use encoder::{Encoder, Measured};

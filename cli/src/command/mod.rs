@@ -6,6 +6,7 @@ mod demo;
 pub(crate) mod diff;
 mod explain;
 mod follow;
+mod grade;
 mod init;
 mod operate;
 mod plan;
@@ -65,6 +66,7 @@ fn execute(command: &Command, server: Server<'_>, screen: &mut Screen<'_>) -> Re
         Command::Operate(args) => operate::run(args, server, screen),
         Command::Replay(args) => replay::run(args, screen),
         Command::Watch(args) => watch::run(args, server, screen),
+        Command::Grade(args) => grade::run(args, server, screen),
         Command::Explain(args) => explain::run(args, screen),
     }
 }

@@ -7,12 +7,10 @@ use proto::stream::{Phase, Watch, Watched};
 
 use crate::args::WatchArgs;
 use crate::failure::Failure;
-use crate::service::Server;
+use crate::service::{Server, USUAL_SERVER};
 use crate::show::number::plain;
 use crate::show::paint::{Screen, clean};
 
-/// Where a server listens unless it is told otherwise.
-const USUAL_SERVER: &str = "http://127.0.0.1:50051";
 /// How long to look for streams before it is said that there are none.
 const LOOK: Duration = Duration::from_secs(1);
 

@@ -3,6 +3,7 @@
 pub(crate) mod compared;
 pub(crate) mod csv;
 pub(crate) mod differences;
+pub(crate) mod grade;
 pub(crate) mod json;
 pub(crate) mod number;
 pub(crate) mod paint;

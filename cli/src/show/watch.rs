@@ -1,5 +1,7 @@
 //! A run that somebody looks on at: a bar while it lasts, and what is drawn of it afterwards.
 
+use std::time::Duration;
+
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use planner::{Plan, Quantity};
 use sim_axis::{Samples, Update};
@@ -66,6 +68,11 @@ impl Watch {
             tracked.following_error.push(*error);
         }
     }
+}
+
+/// A bar for something that takes `time`, told in milliseconds.
+pub(crate) fn waiting(time: Duration) -> ProgressBar {
+    ProgressBar::new(u64::try_from(time.as_millis()).unwrap_or(u64::MAX)).with_style(style(1e-3))
 }
 
 /// Velocity from the measured positions of the neighbouring cycles.
