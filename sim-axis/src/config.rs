@@ -14,6 +14,8 @@ pub struct Config {
     pub max_runs: usize,
     /// How planners are connected to.
     pub connect: Connect,
+    /// May callers make things go wrong?
+    pub fault_injection: bool,
 }
 
 impl Default for Config {
@@ -23,6 +25,7 @@ impl Default for Config {
             models: Models::default(),
             max_runs: 64,
             connect: Connect::new(),
+            fault_injection: false,
         }
     }
 }

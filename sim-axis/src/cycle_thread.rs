@@ -39,6 +39,8 @@ pub(crate) enum Fed {
     Stays,
     /// Another goes on, under this epoch.
     GoesOn(u64, Option<(Revision, Digest)>),
+    /// Drives have this share of their effort limit from now on.
+    EffortLimitScale(f64),
     /// Nothing more will come.
     Closed,
 }
@@ -279,6 +281,7 @@ impl Inside {
                     self.player.resuming();
                 }
                 Fed::Stays => self.player.stays(),
+                Fed::EffortLimitScale(scale) => self.player.scale_effort_limits(scale),
                 Fed::GoesOn(epoch, rested) => {
                     if let Some(old) = self.player.goes_on(epoch, rested) {
                         let _ = self.emptied.push(Emptied::Revision(old));

@@ -39,6 +39,9 @@ struct Args {
     /// The most runs at a time.
     #[arg(long, env = "PORTAMENTO_SIM_AXIS_MAX_RUNS", default_value = "64", value_name = "COUNT")]
     max_runs: Given<usize>,
+    /// Let callers make things go wrong, by InjectFault: for rehearsals, never with a machine behind it.
+    #[arg(long, env = "PORTAMENTO_SIM_AXIS_FAULT_INJECTION", default_value = "false", default_missing_value = "true", num_args = 0..=1, require_equals = true, value_name = "BOOL")]
+    fault_injection: Given<bool>,
     #[command(flatten)]
     planners: PlannerFlags,
     #[command(flatten)]
@@ -94,7 +97,7 @@ fn main() -> ExitCode {
 
 /// The settings, and everything that is wrong with them.
 fn config(args: Args, mut misfits: Misfits) -> (Config, Misfits) {
-    let Args { listen, http, model, max_runs, planners, flags, command: _ } = args;
+    let Args { listen, http, model, max_runs, fault_injection, planners, flags, command: _ } = args;
     let serving = flags.settings(listen, http, &mut misfits);
     let usual = Config::default();
     let max_runs = max_runs.or_note("max-runs", usual.max_runs, &mut misfits);
@@ -102,8 +105,9 @@ fn config(args: Args, mut misfits: Misfits) -> (Config, Misfits) {
         misfits.note("model", problem);
         Models::default()
     });
+    let fault_injection = fault_injection.or_note("fault-injection", false, &mut misfits);
     let connect = connect(planners, &mut misfits);
-    let config = Config { serving, models, max_runs, connect };
+    let config = Config { serving, models, max_runs, connect, fault_injection };
     misfits.extend(config.misfits());
     (config, misfits)
 }

@@ -305,6 +305,14 @@ impl Player {
         is_due.then(|| self.buffer.report(None))
     }
 
+    /// From now on every drive has `scale` of its effort limit; nothing where that is no share, 0 to 1.
+    pub fn scale_effort_limits(&mut self, scale: f64) {
+        for axis in &mut self.axes {
+            // Whoever asks has been told what a share is.
+            let _ = axis.scale_effort_limit(scale);
+        }
+    }
+
     /// Counts a cycle that began late.
     pub fn count_late(&mut self) {
         self.buffer.count_late();

@@ -18,6 +18,7 @@ use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status};
 
 use crate::config::Config;
+use crate::faults::Faults;
 use crate::figures::Figures;
 use crate::models::{InvalidModels, Models};
 use crate::run::{Tracking, Update};
@@ -41,6 +42,8 @@ pub(crate) struct Axes {
     max_runs: usize,
     streams: Streams,
     connect: Connect,
+    /// Where callers may make things go wrong.
+    faults: Option<Faults>,
     leaving: Leaving,
 }
 
@@ -54,6 +57,7 @@ pub(crate) fn service(config: &Config, leaving: Leaving) -> Face {
         max_runs: config.max_runs,
         streams: Streams::default(),
         connect: config.connect.clone(),
+        faults: config.fault_injection.then(Faults::default),
         leaving,
     };
     // The frame refuses larger ones, with a reason; below it nothing else is to.
@@ -115,6 +119,7 @@ impl SimAxisService for Axes {
         let named: Vec<String> = request.models.iter().map(|model| model.axis.clone()).collect();
         let mut request = request::track_request(request, &self.models)?;
         request.connect = self.connect.clone();
+        request.faults.clone_from(&self.faults);
         let stream = request.stream.clone();
         let tracking = Tracking::begin(request).await.map_err(|error| refusal::of(error, &named))?;
         let (sender, receiver) = mpsc::channel(AHEAD);
@@ -159,9 +164,16 @@ impl SimAxisService for Axes {
 
     async fn inject_fault(
         &self,
-        _: Request<pb::InjectFaultRequest>,
+        request: Request<pb::InjectFaultRequest>,
     ) -> Result<Response<pb::InjectFaultResponse>, Status> {
-        Err(not_implemented("InjectFault", "disturb the network or stop the server to see what an axis does"))
+        let Some(faults) = &self.faults else {
+            let text = "this simulator makes no faults: start it with --fault-injection";
+            return Err(Rejected::new(Reason::NotImplemented, text).into());
+        };
+        let fault = request::fault(request.into_inner())?;
+        let runs = faults.make(fault);
+        tracing::warn!(?fault, runs, "a fault was asked for");
+        Ok(Response::new(pb::InjectFaultResponse { runs: u32::try_from(runs).unwrap_or(u32::MAX) }))
     }
 }
 
@@ -191,9 +203,4 @@ async fn carry(mut tracking: Tracking, sender: &Outgoing) {
 
 fn draining() -> Rejected {
     Rejected::new(Reason::Draining, "this simulator is about to leave: run on another")
-}
-
-/// What a later version will answer.
-fn not_implemented(what: &str, instead: &str) -> Status {
-    Rejected::new(Reason::NotImplemented, format!("{what} is not implemented: {instead}")).into()
 }

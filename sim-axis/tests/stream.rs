@@ -174,7 +174,7 @@ fn execution_begins_with_a_full_lead_or_with_the_last_batch() {
     let plan = short();
     let (mut player, mut source) = (player(&plan), Source::of(&plan));
     for _ in 0..LEAD / BATCH {
-        assert!(player.is_waiting() && player.is_short_of_data());
+        assert!(player.is_waiting() && player.is_short_of_data(u64::MAX));
         assert_eq!(player.cycle(), Beat::Waited);
         assert_eq!(player.accept(EPOCH, &mut source.next()), None);
     }
@@ -453,7 +453,7 @@ fn a_player_that_hurries_waits_for_the_motion_and_rests_when_it_is_over() {
     source.rests_on = true;
     let mut waits = 0;
     while !player.is_at_standstill() {
-        if player.is_short_of_data() {
+        if player.is_short_of_data(u64::MAX) {
             waits += 1;
             source.fill(&mut player);
         }

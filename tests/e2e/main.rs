@@ -14,6 +14,7 @@ mod bad_streams;
 mod browser;
 mod failover;
 mod families;
+mod injected;
 mod large_messages;
 mod limits;
 mod operations;

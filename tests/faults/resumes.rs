@@ -1,7 +1,7 @@
 //! Bad resumes over the wire: each is refused with its reason, and nothing else is disturbed.
 
 use e2e::{move_of, open, planned};
-use planner::Accepted;
+use planner::{Accepted, Judged, Maker};
 use proto::pb::open::Source as WireSource;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::pb::stream_setpoints_request::Message;
@@ -107,6 +107,23 @@ async fn every_bad_resume_is_refused_with_its_reason() {
     let played = run.finish().await;
     played.is_undisturbed(&plan, &[]);
     assert_eq!(played.failovers(), 0);
+}
+
+/// Replicas of two versions of the planner serve the same stream where their evaluation is the same: setpoints are those of the pieces, and
+/// who made the pieces does not matter.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_plan_of_another_version_of_the_planner_is_gone_on_with() {
+    let _alone = alone().await;
+    let replica = Replica::start("replica").await;
+    let plan = planned(move_of(0.3, 0.25));
+    let maker = Maker { planner_version: "0.0.7".into(), ..plan.plan().maker().clone() };
+    let older = Judged::new(plan.plan().clone().made_by(maker).unwrap()).accepted().unwrap();
+    assert_ne!(older.plan().maker(), plan.plan().maker());
+    let mut client = SetpointServiceClient::connect(replica.endpoint()).await.unwrap();
+    asked(&mut client, on_wire(good(&older), |_, _| {})).await.unwrap();
+    // It was served from its first cycle on, too: every bit is that of the plan made here.
+    let played = Run::begin(request("cell-7/x", &[replica.endpoint()], &older, LEAD)).await.finish().await;
+    played.is_undisturbed(&plan, &[]);
 }
 
 /// Whoever has opened last holds the stream: an epoch from the past takes it from nobody.

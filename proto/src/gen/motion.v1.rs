@@ -3518,7 +3518,7 @@ impl ::prost::Name for GetAxisModelResponse {
         "/motion.v1.GetAxisModelResponse".into()
     }
 }
-/// Something to go wrong.
+/// Something to go wrong, in every run that goes on in the process.
 #[derive(Clone, Copy, PartialEq, ::prost::Message)]
 pub struct InjectFaultRequest {
     /// What goes wrong; exactly one of them.
@@ -3530,16 +3530,16 @@ pub mod inject_fault_request {
     /// What goes wrong; exactly one of them.
     #[derive(Clone, Copy, PartialEq, ::prost::Oneof)]
     pub enum Fault {
-        /// Read nothing from the stream for this long.
+        /// Read nothing from the stream for this long, above 0 and at most 60 s.
         #[prost(message, tag = "1")]
         StallReads(::prost_types::Duration),
-        /// Lose this many batches.
+        /// Lose this many batches, the next ones that come; 1 or more.
         #[prost(uint32, tag = "2")]
         DropBatches(u32),
-        /// Send no reports for this long.
+        /// Send no reports for this long, above 0 and at most 60 s.
         #[prost(message, tag = "3")]
         PauseReports(::prost_types::Duration),
-        /// Multiply the greatest effort by this \[1\], >= 0; 1 is as configured.
+        /// Leave every drive this share of its greatest effort \[1\], 0 to 1; 1 is as configured.
         #[prost(double, tag = "4")]
         EffortLimitScale(f64),
     }
@@ -3556,7 +3556,11 @@ impl ::prost::Name for InjectFaultRequest {
 }
 /// The fault is in effect.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
-pub struct InjectFaultResponse {}
+pub struct InjectFaultResponse {
+    /// How many runs it happens to.
+    #[prost(uint32, tag = "1")]
+    pub runs: u32,
+}
 impl ::prost::Name for InjectFaultResponse {
     const NAME: &'static str = "InjectFaultResponse";
     const PACKAGE: &'static str = "motion.v1";
@@ -3745,7 +3749,7 @@ pub mod sim_axis_service_client {
                 .insert(GrpcMethod::new("motion.v1.SimAxisService", "GetAxisModel"));
             self.inner.unary(req, path, codec).await
         }
-        /// Makes something go wrong. Refused unless the process was started with fault injection.
+        /// Makes something go wrong. NOT_IMPLEMENTED unless the process was started with --fault-injection.
         pub async fn inject_fault(
             &mut self,
             request: impl tonic::IntoRequest<super::InjectFaultRequest>,
@@ -3823,7 +3827,7 @@ pub mod sim_axis_service_server {
             tonic::Response<super::GetAxisModelResponse>,
             tonic::Status,
         >;
-        /// Makes something go wrong. Refused unless the process was started with fault injection.
+        /// Makes something go wrong. NOT_IMPLEMENTED unless the process was started with --fault-injection.
         async fn inject_fault(
             &self,
             request: tonic::Request<super::InjectFaultRequest>,

@@ -136,6 +136,8 @@ fn to_wire(request: TrackRequest) -> pb::RunTrackingRequest {
         patience,
         // How this side is connected to is no matter of the other's.
         connect: _,
+        // Those of the other process are made by InjectFault.
+        faults: _,
     } = request;
     let duration =
         |ns: i64| prost_types::Duration { seconds: ns / 1_000_000_000, nanos: (ns % 1_000_000_000) as i32 };

@@ -11,9 +11,45 @@ use proto::{FieldViolation, Reason, Rejected, pb};
 use crate::audit::InvalidField;
 use crate::axis::{InvalidConfig, MOST_SETTLE_WINDOW};
 use crate::clock::Clock;
+use crate::faults::Fault;
 use crate::model::{AxisModel, AxisModelSpec};
 use crate::models::Models;
 use crate::run::{DEFAULT_SETTLE_WINDOW, TrackRequest};
+
+/// The longest that a fault may last.
+const LONGEST_FAULT: Duration = Duration::from_secs(60);
+
+/// What is to go wrong.
+pub(super) fn fault(wire: pb::InjectFaultRequest) -> Result<Fault, Rejected> {
+    use pb::inject_fault_request::Fault as Wire;
+    let out_of_range = |field: &str, text: String| Rejected::for_field(field, Reason::ValueOutOfRange, text);
+    let lasting = |field: &str, wire: &prost_types::Duration| {
+        let seconds = seconds(*wire);
+        if proto::malformed_duration(wire).is_none()
+            && seconds > 0.0
+            && seconds <= LONGEST_FAULT.as_secs_f64()
+        {
+            return Ok(Duration::from_secs_f64(seconds));
+        }
+        Err(out_of_range(field, format!("is {seconds} s: a fault lasts more than 0 s and at most 60 s")))
+    };
+    match wire.fault {
+        Some(Wire::StallReads(time)) => Ok(Fault::StallReads(lasting("stall_reads", &time)?)),
+        Some(Wire::PauseReports(time)) => Ok(Fault::PauseReports(lasting("pause_reports", &time)?)),
+        Some(Wire::DropBatches(0)) => Err(out_of_range("drop_batches", "is 0: lose 1 or more".into())),
+        Some(Wire::DropBatches(count)) => Ok(Fault::DropBatches(count)),
+        Some(Wire::EffortLimitScale(scale)) if (0.0..=1.0).contains(&scale) => {
+            Ok(Fault::EffortLimitScale(scale))
+        }
+        Some(Wire::EffortLimitScale(scale)) => {
+            Err(out_of_range("effort_limit_scale", format!("is {scale}: give a share, 0 to 1")))
+        }
+        None => {
+            let text = "is not set: say what is to go wrong, as stall_reads or drop_batches";
+            Err(Rejected::for_field("fault", Reason::FieldMissing, text))
+        }
+    }
+}
 
 /// The run that is asked for, on axes of `own` where the request has no model.
 pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Result<TrackRequest, Rejected> {
@@ -87,6 +123,7 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
         accept_unproved,
         patience: Duration::from_secs_f64(patience),
         connect: Connect::new(),
+        faults: None,
     })
 }
 
