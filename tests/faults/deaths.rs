@@ -94,6 +94,31 @@ async fn dies_between_a_revision_and_its_first_batch() {
     assert_eq!((played.failovers(), played.report.stream.revisions), (1, 1));
 }
 
+/// Asked for while nobody serves: whoever goes on does it.
+#[tokio::test(flavor = "multi_thread")]
+async fn is_slowed_while_another_is_looked_for() {
+    let _alone = alone().await;
+    let plan = planned(move_of(0.3, 0.25));
+    let (mut first, second) = (Replica::start("first").await, Replica::start("second").await);
+    let endpoints = [first.endpoint(), second.endpoint()];
+    let mut run = Run::begin(request("cell-7/x", &endpoints, &plan, LEAD)).await;
+    run.until(300).await;
+    // It neither answers nor closes its connections until it is killed: the operation is on its way to it, and lost.
+    first.signal("STOP");
+    let slower = Operation::now("slower", Ask::Override(0.5));
+    let commander = run.commander();
+    let asked = tokio::spawn({
+        let slower = slower.clone();
+        async move { commander.operate(slower).await }
+    });
+    run.until_cycles_more(20).await;
+    first.kill();
+    let played = run.finish().await;
+    let result = asked.await.unwrap().unwrap();
+    played.is_undisturbed(&plan, &[(result.effective_cycle, slower.planned().unwrap())]);
+    assert_eq!((played.failovers(), played.report.stream.revisions), (1, 1));
+}
+
 /// All of three, one after the other, each while it serves; and each comes back.
 #[tokio::test(flavor = "multi_thread")]
 async fn dies_again_and_again() {

@@ -15,6 +15,8 @@ use tonic::{Request, Response, Status, Streaming};
 pub(crate) enum Lie {
     /// It leaves out the batch with [`FROM`], each time.
     Gap,
+    /// It sends all that it has, however little was granted.
+    BeyondGrant,
     /// It adds a millimetre from there on.
     Jump,
     /// Its digests are others.
@@ -83,7 +85,10 @@ async fn serve(
                 return None;
             }
         }
-        let message = proto::request_from_wire(incoming.message().await.ok()??).ok()?;
+        let mut message = proto::request_from_wire(incoming.message().await.ok()??).ok()?;
+        if let (Lie::BeyondGrant, FromAxis::Report(report)) = (lie, &mut message) {
+            report.grant_cycle += FROM;
+        }
         session.handle(Event::FromAxis(message));
     }
 }
@@ -114,7 +119,8 @@ fn falsified(lie: Lie, batch: Batch) -> Option<Batch> {
             });
             Some(Batch { tails: Tails::new(ways.collect::<Vec<_>>()), ..batch })
         }
-        Lie::DiesOnceRevised => Some(batch),
+        // What it sends is right, and too much; the other is no lie.
+        Lie::BeyondGrant | Lie::DiesOnceRevised => Some(batch),
     }
 }
 

@@ -12,7 +12,16 @@ use crate::run::{LEAD, Run, alone, request};
 async fn no_lie_reaches_the_servo() {
     let _alone = alone().await;
     let mut runs = JoinSet::new();
-    for lie in [Lie::Gap, Lie::Jump, Lie::WrongDigest, Lie::NotFinite, Lie::NoTail, Lie::OtherTail] {
+    let lies = [
+        Lie::Gap,
+        Lie::BeyondGrant,
+        Lie::Jump,
+        Lie::WrongDigest,
+        Lie::NotFinite,
+        Lie::NoTail,
+        Lie::OtherTail,
+    ];
+    for lie in lies {
         runs.spawn(lied_to(lie));
     }
     while let Some(run) = runs.join_next().await {

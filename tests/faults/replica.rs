@@ -1,4 +1,4 @@
-//! Server processes: one for each value, gone with it.
+//! Server and axis processes: one for each value, gone with it.
 
 use std::io::{BufRead as _, BufReader};
 use std::net::SocketAddr;
@@ -10,7 +10,7 @@ use std::time::Duration;
 /// How long a process may take to serve, or to be gone.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// A server process on a port of its own.
+/// A process on a port of its own.
 #[derive(Debug)]
 pub(crate) struct Replica {
     child: Child,
@@ -26,15 +26,33 @@ impl Replica {
 
     /// A process called `name` at `address`, with further arguments.
     pub(crate) async fn with(name: &str, address: SocketAddr, arguments: &[&str]) -> Self {
-        let mut command = Command::new(binary());
+        let mut command = Command::new(binary("portamento-server", "PORTAMENTO_SERVER"));
         command.args(["--listen", &address.to_string(), "--served-by", name]).args(arguments);
+        Self::run(command).await
+    }
+
+    /// A process called `name` on a free port, in this environment.
+    pub(crate) async fn within(name: &str, environment: &[(&str, String)]) -> Self {
+        let mut command = Command::new(binary("portamento-server", "PORTAMENTO_SERVER"));
+        command.args(["--listen", "127.0.0.1:0", "--served-by", name]).envs(environment.iter().cloned());
+        Self::run(command).await
+    }
+
+    /// A process with simulated axes on a free port, in this environment.
+    pub(crate) async fn axis(environment: &[(&str, String)]) -> Self {
+        let mut command = Command::new(binary("portamento-sim-axis", "PORTAMENTO_SIM_AXIS"));
+        command.args(["--listen", "127.0.0.1:0"]).envs(environment.iter().cloned());
+        Self::run(command).await
+    }
+
+    async fn run(mut command: Command) -> Self {
         command.env_remove("RUST_LOG").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let started = tokio::task::spawn_blocking(move || Self::spawn(command));
         tokio::time::timeout(PATIENCE, started).await.expect("it serves soon").unwrap()
     }
 
     fn spawn(mut command: Command) -> Self {
-        let mut child = command.spawn().expect("the server starts");
+        let mut child = command.spawn().expect("the process starts");
         let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
         let (mut text, mut address) = (String::new(), None);
         for line in lines.by_ref() {
@@ -45,7 +63,7 @@ impl Replica {
                 break;
             }
         }
-        let Some(address) = address else { panic!("the server does not serve: {text}") };
+        let Some(address) = address else { panic!("the process does not serve: {text}") };
         let log = Arc::new(Mutex::new(text));
         let kept = Arc::clone(&log);
         // Reads on, so that the process is never held up by a full pipe.
@@ -87,6 +105,14 @@ impl Replica {
         assert!(Command::new("sh").args(["-c", &command]).status().unwrap().success(), "{command}");
     }
 
+    /// Stops it for so many milliseconds: it gets no processor.
+    pub(crate) fn stalls(&self, milliseconds: u64) {
+        let pid = self.child.id();
+        // The shell's own wait: whoever tests does not sleep.
+        let command = format!("kill -STOP {pid}; sleep {}; kill -CONT {pid}", milliseconds as f64 / 1e3);
+        assert!(Command::new("sh").args(["-c", &command]).status().unwrap().success(), "{command}");
+    }
+
     /// Waits until it has gone by itself, for at most `within`.
     pub(crate) async fn gone(mut self, within: Duration) -> ExitStatus {
         let waiting = async {
@@ -106,20 +132,20 @@ impl Replica {
 impl Drop for Replica {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            eprintln!("--- log of the server at {}\n{}", self.address, self.log.lock().unwrap());
+            eprintln!("--- log of the process at {}\n{}", self.address, self.log.lock().unwrap());
         }
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// The server that was built with this test.
-fn binary() -> PathBuf {
-    if let Some(named) = std::env::var_os("PORTAMENTO_SERVER") {
+/// The program that was built with this test, or that the variable `named_by` names.
+fn binary(program: &str, named_by: &str) -> PathBuf {
+    if let Some(named) = std::env::var_os(named_by) {
         return named.into();
     }
     let test = std::env::current_exe().unwrap();
-    let binary = test.ancestors().nth(2).unwrap().join("portamento-server");
+    let binary = test.ancestors().nth(2).unwrap().join(program);
     assert!(
         binary.is_file(),
         "{} is not there: build it with `cargo build --workspace --bins`, with --release where the tests are",

@@ -87,6 +87,12 @@ impl Run {
         self.until_seen(|seen| seen.setpoints.len() as u64 >= cycle).await;
     }
 
+    /// Looks on until `cycles` more are played than are seen now.
+    pub(crate) async fn until_cycles_more(&mut self, cycles: u64) {
+        let seen = self.seen.setpoints.len() as u64;
+        self.until(seen + cycles).await;
+    }
+
     /// Looks on until `count` servers have gone on.
     pub(crate) async fn until_changes(&mut self, count: usize) {
         self.until_seen(|seen| seen.changes.len() >= count).await;
