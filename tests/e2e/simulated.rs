@@ -13,8 +13,21 @@ use planner::{LimitsSpec, Setpoint};
 use proto::Digest;
 use proto::stream::{Ask, Open, Operation};
 
-/// Far more than any run takes \[cycles\].
-const MOST_TICKS: u64 = 60_000;
+/// How far axes go, and for how long things go wrong on the way.
+#[derive(Clone, Copy)]
+struct Way {
+    /// \[m\], at 0.25 m/s.
+    distance: f64,
+    /// \[cycles\]
+    heals_at: u64,
+    /// Far more than any run takes \[cycles\].
+    most_ticks: u64,
+}
+
+/// Some four seconds.
+const SHORT: Way = Way { distance: 0.5, heals_at: 4000, most_ticks: 60_000 };
+/// An hour.
+const HOUR: Way = Way { distance: 900.0, heals_at: 3_600_000, most_ticks: 4_500_000 };
 
 const ROUGH: Faults =
     Faults { dies: 1e-3, down_for: 400, hangs: 1e-3, hangs_for: 300, line_dies: 2e-3, delay: 3 };
@@ -37,7 +50,6 @@ fn limits() -> LimitsSpec {
 /// Setpoints go on from each cycle to the next, and their digest with them.
 fn assert_continuous(axis: &Axis, what: &str) {
     let (t, jerk) = (1e-3, limits().max_jerk * (1.0 + 1e-6));
-    let rounding = 4.0 * f64::EPSILON * 10.0;
     let mut digest = Digest::ZERO;
     for (cycle, pair) in axis.played.windows(2).enumerate() {
         let (p, q) = (pair[0][0].state, pair[1][0].state);
@@ -49,6 +61,8 @@ fn assert_continuous(axis: &Axis, what: &str) {
             ),
             ((q.position - p.position - 0.5 * t * (p.velocity + q.velocity)).abs(), jerk * t * t * t / 12.0),
         ];
+        // A few roundings of the largest number there.
+        let rounding = 4.0 * f64::EPSILON * q.position.abs().max(10.0);
         for (off, bound) in off {
             assert!(off <= bound + rounding, "{what}: a jump after cycle {cycle}: {p:?} {q:?}");
         }
@@ -75,8 +89,8 @@ impl Tally {
     }
 }
 
-fn run(seed: u64, axes: usize, faults: Faults) -> Tally {
-    let plan = planned(move_of(0.5, 0.25));
+fn run(seed: u64, axes: usize, faults: Faults, way: Way) -> Tally {
+    let plan = planned(move_of(way.distance, 0.25));
     let opens =
         (0..axes).map(|axis| Open { lead_cycles: 60, ..open(&format!("cell-7/{axis}"), plan.clone()) });
     let mut network = Network::new(opens.collect(), 3, faults, seed);
@@ -91,7 +105,7 @@ fn run(seed: u64, axes: usize, faults: Faults) -> Tally {
         network.tick();
         ticks += 1;
         assert!(
-            ticks < MOST_TICKS,
+            ticks < way.most_ticks,
             "seed {seed}: not over: {:?}",
             network
                 .axes
@@ -101,11 +115,11 @@ fn run(seed: u64, axes: usize, faults: Faults) -> Tally {
                 .map(|(i, a)| (i, a.played.len(), a.failover(), a.buffer()))
                 .collect::<Vec<_>>()
         );
-        if ticks == 4000 {
+        if ticks == way.heals_at {
             network.heal();
         }
         // Whoever has come to rest by himself goes on only when he is told to.
-        if ticks > 4000 && ticks.is_multiple_of(500) {
+        if ticks > way.heals_at && ticks.is_multiple_of(500) {
             for axis in 0..axes {
                 if network.axes[axis].has_starved() {
                     network.operate(axis, Operation::now(format!("again-{ticks}"), Ask::Resume));
@@ -119,7 +133,7 @@ fn run(seed: u64, axes: usize, faults: Faults) -> Tally {
         assert_eq!(axis.over, Some(Ok(())), "{what}");
         assert_continuous(axis, &what);
         let last = axis.played.last().expect("a cycle")[0];
-        assert_eq!(last.words(), [0.5, 0.0, 0.0, 0.0], "{what}: it ends in its goal, at rest");
+        assert_eq!(last.words(), [way.distance, 0.0, 0.0, 0.0], "{what}: it ends in its goal, at rest");
         tally.failovers += axis.causes.len();
         tally.cycles += axis.played.len();
         if axis.has_starved() {
@@ -147,7 +161,7 @@ fn run(seed: u64, axes: usize, faults: Faults) -> Tally {
 fn runs(seeds: std::ops::Range<u64>, axes: usize, faults: Faults) -> Tally {
     let mut tally = Tally::default();
     for seed in seeds {
-        tally.add(&run(seed, axes, faults));
+        tally.add(&run(seed, axes, faults, SHORT));
     }
     tally
 }
@@ -172,6 +186,16 @@ fn replicas_die_and_nothing_is_lost() {
 fn whatever_goes_wrong_every_run_ends_in_its_goal() {
     let tally = runs(0..40, 4, ROUGH);
     assert!(tally.failovers > 200 && tally.undisturbed > 50, "{tally:?}");
+}
+
+/// In virtual time, while replicas die some three hundred times.
+#[test]
+#[ignore = "a minute: see the head of this file"]
+fn an_hour() {
+    let deaths = Faults { dies: 1e-4, down_for: 50, hangs: 0.0, hangs_for: 0, line_dies: 0.0, delay: 2 };
+    let tally = run(1, 2, deaths, HOUR);
+    println!("2 axes, an hour: {tally:?}");
+    assert!(tally.failovers > 300 && tally.undisturbed == 2, "{tally:?}");
 }
 
 #[test]

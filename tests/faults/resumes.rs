@@ -57,7 +57,7 @@ fn on_wire(open: Open, change: impl Fn(&mut pb::Open, &mut pb::Resume)) -> pb::O
 async fn every_bad_resume_is_refused_with_its_reason() {
     let _alone = alone().await;
     type Change = fn(&mut pb::Open, &mut pb::Resume);
-    let rows: [(&str, Reason, &str, Change); 10] = [
+    let rows: [(&str, Reason, &str, Change); 11] = [
         ("a forged plan", Reason::PlanRejected, "open.resume.motion.plan.axes[0].segments", |_, resume| {
             let plan = resume.motion.as_mut().unwrap().plan.as_mut().unwrap();
             plan.axes[0].segments[2].duration *= 1.5;
@@ -72,6 +72,9 @@ async fn every_bad_resume_is_refused_with_its_reason() {
         ("more than can be held", Reason::ValueOutOfRange, "open.resume.next_cycle", |open, resume| {
             (open.executed_cycle, open.close_at_rest) = (2000, false);
             (resume.next_cycle, resume.checkpoint_cycle) = (2042, 2000);
+        }),
+        ("more than a lead", Reason::ValueOutOfRange, "open.resume.next_cycle", |open, _| {
+            open.executed_cycle = HELD - 41;
         }),
         ("no cycle", Reason::ValueOutOfRange, "open.resume.next_cycle", |_, resume| resume.next_cycle = 0),
         ("a checkpoint too far", Reason::ValueOutOfRange, "open.resume.checkpoint_cycle", |open, resume| {

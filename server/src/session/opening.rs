@@ -81,8 +81,10 @@ fn check_cycles(resume: &Resume, executed: u64, lead: u64, close_at_rest: bool) 
         let rejected = Rejected::new(Reason::ResumePastEnd, text);
         return Err(rejected.with("given", next_cycle).with("nearest", last + 1));
     }
-    // A way to rest counts as held as soon as it is begun.
-    let farthest = executed.saturating_add(lead).max(last);
+    // A way to rest counts as held as soon as it is begun, however long it is.
+    let comes_to_rest = matches!(motion.under_way.phase(), Phase::Holding | Phase::Stopping);
+    let granted = executed.saturating_add(lead);
+    let farthest = if comes_to_rest { granted.max(last) } else { granted };
     if held > farthest {
         let nearest = farthest + 1;
         let text = format!(
