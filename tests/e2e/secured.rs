@@ -1,8 +1,10 @@
 //! Who is let in: certificates on both sides, and a policy of who may do what.
 
+use std::time::Duration;
+
 use client::{Client, Connect, Error, Setpoints};
 use e2e::{Authority, Loopback, LoopbackAxis, fifty_millimetres, open, planned};
-use proto::stream::{Ask, Operation};
+use proto::stream::{Ask, Operation, Watch};
 use proto::{Reason, Rejected};
 use serving::Policy;
 use sim_axis::{RemoteAxis, TrackRequest};
@@ -119,6 +121,37 @@ async fn a_policy_says_who_may_do_what() {
     let unknown = client(&authority, "nobody.plant", &server).await;
     assert_eq!(reason(unknown.plan(fifty_millimetres()).await), Reason::MethodNotAllowed);
     while stream.next().await.unwrap().is_some() {}
+}
+
+/// Whoever looks on sees the streams that he may use, and learns of no other: not their names, and not whether there are any.
+#[tokio::test]
+async fn who_looks_on_sees_what_he_may_use() {
+    let authority = Authority::default();
+    let server = server(&authority, Some(POLICY)).await;
+    let axis = client(&authority, AXIS, &server).await;
+    let stranger = client(&authority, STRANGER, &server).await;
+    let plan = planned(fifty_millimetres());
+    let _mine = Setpoints::open(&axis, open("cell-7/x", plan.clone())).await.unwrap();
+    let _theirs = Setpoints::open(&stranger, open("cell-8/x", plan)).await.unwrap();
+
+    let mut watching = stranger.watch(Watch::all()).await.unwrap();
+    let first = watching.next().await.unwrap().expect("one that there is");
+    assert_eq!(first.stream, "cell-8/x");
+    // What is to be seen comes at once, one after the other: a moment later there would be the other.
+    let second = tokio::time::timeout(Duration::from_millis(500), watching.next()).await;
+    assert!(second.map_or(true, |next| next.unwrap().is_none_or(|seen| seen.stream == "cell-8/x")));
+
+    let mut refusals = Vec::new();
+    for name in ["cell-7/x", "cell-7/y"] {
+        let seen = match stranger.watch(Watch::stream(name)).await {
+            Ok(mut watching) => watching.next().await.map(|_| ()),
+            Err(error) => Err(error),
+        };
+        let Err(Error::Rejected(rejected)) = seen else { panic!("{seen:?}") };
+        assert_eq!(rejected.reason, Reason::StreamNotAllowed, "{name}");
+        refusals.push(rejected.message.replace(name, "…"));
+    }
+    assert_eq!(refusals[0], refusals[1], "one that there is and one that there is not are refused alike");
 }
 
 /// Reflection has to be granted; health is nobody's secret.
