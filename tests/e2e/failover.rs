@@ -249,6 +249,19 @@ fn an_end_that_is_not_told_is_an_end() {
     assert!(stage.tried.is_empty(), "nobody has anything to go on with");
 }
 
+/// The last batch came, and the server went before the axis had said so.
+#[test]
+fn what_is_whole_needs_nobody_to_go_on() {
+    let mut stage = Stage::served(2);
+    while !stage.buffer.as_ref().is_some_and(Buffer::has_last) {
+        stage.play(10);
+        stage.speak();
+    }
+    stage.dies();
+    assert_eq!(stage.over, Some(Ok(())), "{:?}", stage.tried);
+    assert!(stage.tried.is_empty());
+}
+
 #[test]
 fn what_a_session_leaves_undone_the_next_one_is_asked() {
     let mut stage = Stage::served(2);

@@ -266,6 +266,10 @@ impl Failover {
         self.serving.as_ref().filter(|serving| serving.is_there).map(|serving| serving.epoch)
     }
 
+    fn is_served(&self) -> bool {
+        self.serving_epoch().is_some()
+    }
+
     /// The number of the endpoint that serves, or did last.
     #[must_use]
     pub fn endpoint(&self) -> Option<usize> {
@@ -386,6 +390,7 @@ impl Failover {
         if report.refused.is_some() {
             self.fed_to = record.held();
         }
+        let is_whole = record.is_whole();
         // A line that has gone silent must not keep the axis from its end.
         self.farewell_until =
             if record.is_executed() { self.farewell_until.or(Some(now + FAREWELL)) } else { None };
@@ -396,6 +401,10 @@ impl Failover {
                     self.endpoint().map(|endpoint| Failure { endpoint, cause: Error::refused(refused) });
                 self.look_elsewhere(now, Cause::Refused);
             }
+        }
+        // What came while its server went was the rest: there is nothing to go on with.
+        if is_whole && !self.is_served() {
+            return self.end(Ok(()));
         }
         self.say(FromAxis::Report(report));
         if heeded >= self.asked {

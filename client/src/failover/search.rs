@@ -189,7 +189,7 @@ impl Failover {
     /// axis does not play, that what is granted does not come.
     pub(super) fn suspects_at(&self) -> Option<Duration> {
         let record = self.record.as_ref()?;
-        let is_served = self.serving.as_ref().is_some_and(|serving| serving.is_there);
+        let is_served = self.is_served();
         if !self.search.is_idle() || !is_served || record.is_whole() || self.finished {
             return None;
         }
@@ -208,7 +208,7 @@ impl Failover {
     /// Was it only slow?
     fn has_come_back(&self, errand: &Errand) -> bool {
         let Some(record) = &self.record else { return false };
-        let is_served = self.serving.as_ref().is_some_and(|serving| serving.is_there);
+        let is_served = self.is_served();
         let is_fed = self.fed_at > errand.since && 2 * self.ahead(record) >= u64::from(self.open.lead_cycles);
         errand.cause == Cause::Silent && is_served && is_fed
     }
@@ -387,7 +387,7 @@ impl Failover {
         else {
             return;
         };
-        let is_served = self.serving.as_ref().is_some_and(|serving| serving.is_there);
+        let is_served = self.is_served();
         if self.record.is_none() || (!is_served && (hopeless || self.is_too_late(now, &errand))) {
             return self.end_with_last_failure();
         }
@@ -401,7 +401,7 @@ impl Failover {
 
     /// How long nobody is asked after so many rounds: while the axis moves, no longer than what it holds allows.
     fn back_off(&mut self, rounds: u32) -> Duration {
-        let is_served = self.serving.as_ref().is_some_and(|serving| serving.is_there);
+        let is_served = self.is_served();
         let longest = if is_served || self.rested.is_none() { self.hedge() } else { BACK_OFF.1 };
         let wait = BACK_OFF.0.saturating_mul(1 << rounds.min(10)).min(longest).max(BACK_OFF.0);
         self.timing.jittered(wait)
