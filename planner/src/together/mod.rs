@@ -110,9 +110,9 @@ fn of_axis(index: usize) -> impl Fn(InvalidFields) -> InvalidFields {
 fn plan_fastest(axes: &[AxisTransfer<'_>], transits: &mut Vec<Transit>) -> Result<(), InvalidFields> {
     let mut invalid = InvalidFields::default();
     for (index, axis) in axes.iter().enumerate() {
-        match axis.quickest() {
-            Ok(transit) => transits.push(transit),
-            Err(inner) => invalid.extend_within(&Field::element("axes", index), inner),
+        transits.push(Transit::unlaid());
+        if let Some(Err(inner)) = transits.last_mut().map(|transit| axis.lay_quickest(transit)) {
+            invalid.extend_within(&Field::element("axes", index), inner);
         }
     }
     invalid.into_result(())
@@ -189,9 +189,9 @@ fn settle(
             let given = agreed.duration;
             if is_same_time(given, transit.duration()) {
                 transit.last(given);
-            } else if let Some(planned) = axis.planned_in(given) {
-                *transit = planned;
-            } else {
+            } else if !axis.lay_in(given, transit) {
+                // It lasts no time until it is laid again.
+                *transit = Transit::unlaid();
                 let arrivals = axis.arrivals().map_err(of_axis(index))?;
                 let first = arrivals.first_from(given);
                 // At a border, which is as exact as its roundings, it may be a little more.
