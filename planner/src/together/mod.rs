@@ -68,7 +68,6 @@ pub fn together(
     transits: &mut Vec<Transit>,
 ) -> Result<Together, InvalidFields> {
     check(axes, timing)?;
-    transits.clear();
     match synchronization {
         Synchronization::None => apart(axes, timing, transits),
         Synchronization::Time => {
@@ -107,11 +106,12 @@ fn of_axis(index: usize) -> impl Fn(InvalidFields) -> InvalidFields {
     }
 }
 
+/// Into the places that there are already.
 fn plan_fastest(axes: &[AxisTransfer<'_>], transits: &mut Vec<Transit>) -> Result<(), InvalidFields> {
     let mut invalid = InvalidFields::default();
-    for (index, axis) in axes.iter().enumerate() {
-        transits.push(Transit::unlaid());
-        if let Some(Err(inner)) = transits.last_mut().map(|transit| axis.lay_quickest(transit)) {
+    transits.resize_with(axes.len(), Transit::unlaid);
+    for (index, (axis, transit)) in axes.iter().zip(transits).enumerate() {
+        if let Err(inner) = axis.lay_quickest(transit) {
             invalid.extend_within(&Field::element("axes", index), inner);
         }
     }
@@ -234,6 +234,7 @@ fn in_line(
     let mut path = [question.quickest().map_err(&of_leader)?];
     let least = Together { duration: path[0].duration(), critical: Some(line.leader()) };
     let settled = settle(&[question], line.leader(), least, timing, &mut path)?;
+    transits.clear();
     transits.extend(axes.iter().enumerate().map(|(index, axis)| line.share_of(index, axis, &path[0])));
     check_ranges(axes, transits)?;
     Ok(settled)

@@ -214,7 +214,8 @@ pub(crate) fn check_duration(duration: f64) -> Result<(), InvalidFields> {
 /// Lays the motion that takes `duration` \[s\]; `transit` is of no use where there is none.
 fn lay_lasting(transfer: &Transfer, duration: f64, transit: &mut Transit) -> bool {
     let timed = Timed::of(transfer);
-    let mut course = Course::led(&timed.lead, &transfer.bounds, timed.unit);
+    let mut course = Course::default();
+    course.lead(&timed.lead, &transfer.bounds, timed.unit);
     timed.go_on(&mut course, transfer, duration)
         && transit.lay(transfer.start, transfer.goal, &course, Some(duration)).is_ok()
 }
