@@ -8,9 +8,10 @@
 )]
 
 use planner::{
-    AxisKind, AxisMoveSpec, CycleTime, EightType, Family, LAST_CYCLE, Law, Limits, LimitsSpec, Move, Plan,
-    Problem, Profile, Request, RequestSpec, Segment, Setpoint, ShortPathPolicy, State, Synchronization, Why,
-    certify, explain, plan, plan_between, plan_move, plan_stop, violations,
+    AxisKind, AxisMoveSpec, BoundsSpec, CycleTime, EightType, Family, LAST_CYCLE, Law, Limits, LimitsSpec,
+    Move, Plan, Problem, Profile, Request, RequestSpec, Segment, Setpoint, ShortPathPolicy, State,
+    Synchronization, Transfer, Why, certify, explain, plan, plan_between, plan_move, plan_stop,
+    plan_transfer, transfer_violations, violations,
 };
 
 fn moving(position: f64, velocity: f64) -> State {
@@ -134,6 +135,42 @@ fn an_acceleration_where_an_axis_turns_back_is_known_as_its_velocity_is() {
     let limits = limits.unwrap();
     let planned = plan_between(start, goal, &limits).unwrap().to_profile();
     assert_eq!(violations(&planned, &limits, goal), []);
+}
+
+/// What is left between the two halves of a motion is closed by its longest piece, where that still joins the next: at full jerk it did
+/// not, and one that turned on its way was cut by the velocity of its beginning.
+#[test]
+fn a_gap_is_closed_where_pieces_still_join() {
+    let check = |start: State, goal: State, bounds: BoundsSpec| {
+        let asked = Transfer::new(start, goal, bounds.try_into().unwrap()).unwrap();
+        // Or it is refused, for want of digits.
+        if let Ok(planned) = plan_transfer(&asked) {
+            assert_eq!(transfer_violations(&planned.to_profile(), asked.bounds(), goal), []);
+        }
+    };
+    check(
+        State { acceleration: 1.0, ..moving(0.0, 15289112.68147163) },
+        moving(-1e-20, -12781590.882516447),
+        BoundsSpec {
+            min_velocity: -1e20,
+            max_velocity: 1e-20,
+            min_acceleration: -13407801174516.37,
+            max_acceleration: 3.620251842445969e-14,
+            max_jerk: 1449969785116.7349,
+        },
+    );
+    let tiny = 9.999999999999999e-31;
+    check(
+        State { acceleration: tiny, ..moving(0.0, -tiny) },
+        moving(0.0, -4.173046921075371e-19),
+        BoundsSpec {
+            min_velocity: -4.173046921075371e-19,
+            max_velocity: 1e30,
+            min_acceleration: -6.985635008787696e26,
+            max_acceleration: tiny,
+            max_jerk: 604.8995576111517,
+        },
+    );
 }
 
 /// A motion of 1e-12 far from zero may round to an ulp beyond its goal, which may be the end of the range.

@@ -105,7 +105,7 @@ impl Transit {
     ///
     /// Where a motion is fast, and for long slow or all but steady, what its velocity is rounded to is a way that counts: it has the
     /// longest piece a little slower. Or, where the duration is free, that piece is a little shorter, over which its velocity does not
-    /// change by more than roundings.
+    /// change by more than roundings, and which still joins the next.
     fn close(&mut self, seam: usize, gap: f64, is_free: bool) -> bool {
         let Self { start, goal, .. } = *self;
         // Of this the positions know nothing.
@@ -134,12 +134,24 @@ impl Transit {
         if gap.abs() > MOST_CLOSED * extent {
             return gap.abs() <= allowed;
         }
-        let rounding = CRAWL_ROUNDED * most(&|state| state.velocity);
-        let Piece { duration, start: State { velocity, acceleration, .. }, .. } = &mut self.pieces[longest];
-        let (slower, shorter) = (gap / *duration, gap / *velocity);
+        let (fastest, hardest) = (most(&|state| state.velocity), most(&|state| state.acceleration));
+        let rounding = CRAWL_ROUNDED * fastest;
+        let Piece { duration, start, jerk } = &mut self.pieces[longest];
+        let after = |time: f64| State { position: 0.0, ..*start }.after(*jerk, time);
+        let end = after(*duration);
+        let (slower, shorter) = (gap / *duration, gap / end.velocity);
+        let cut = after(*duration - shorter);
+        // Also false for NaN.
+        let still_joins = (cut.position - end.position + gap).abs() <= JOIN_TOLERANCE * extent
+            && (cut.velocity - end.velocity).abs() <= JOIN_TOLERANCE * fastest
+            && (cut.acceleration - end.acceleration).abs() <= JOIN_TOLERANCE * hardest;
         if longest > 0 && slower.abs() <= rounding {
-            *velocity -= slower;
-        } else if is_free && shorter.abs() <= 0.5 * *duration && (*acceleration * shorter).abs() <= rounding {
+            start.velocity -= slower;
+        } else if is_free
+            && shorter.abs() <= 0.5 * *duration
+            && (start.acceleration * shorter).abs() <= rounding
+            && still_joins
+        {
             *duration -= shorter;
         } else {
             return gap.abs() <= allowed;
