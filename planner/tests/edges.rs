@@ -8,9 +8,10 @@
 )]
 
 use planner::{
-    AxisKind, AxisMoveSpec, CycleTime, EightType, Family, LAST_CYCLE, Limits, LimitsSpec, Move, Plan,
-    Problem, Request, RequestSpec, Setpoint, ShortPathPolicy, State, Synchronization, Why, certify, explain,
-    plan, plan_move, plan_stop, violations,
+    AxisKind, AxisMoveSpec, BoundsSpec, CycleTime, EightType, Family, LAST_CYCLE, Law, Limits, LimitsSpec,
+    Move, Plan, Problem, Profile, Request, RequestSpec, Segment, Setpoint, ShortPathPolicy, State,
+    Synchronization, Transfer, Why, certify, explain, plan, plan_between, plan_move, plan_stop,
+    plan_transfer, transfer_violations, violations,
 };
 
 fn moving(position: f64, velocity: f64) -> State {
@@ -89,6 +90,87 @@ fn an_axis_that_must_not_turn_back_may_stop() {
     let last = segments.last().unwrap();
     assert!(last.turning_points().iter().any(|&t| last.at(t).state.velocity < 0.0));
     assert_eq!(violations(&stop.to_profile(), &limits, stop.reached()), []);
+}
+
+/// One piece that slows down, turns back, and stands where its acceleration is `turning`, as hard as it turned.
+fn turned(turning: f64, from: f64, jerk: f64) -> Profile {
+    let goal = State { position: 0.0, velocity: 0.0, acceleration: turning };
+    let duration = (turning - from) / jerk;
+    let start = goal.after(jerk, -duration);
+    Profile::new([Segment { duration, start, law: Law::ConstantJerk(jerk) }], goal)
+}
+
+/// How hard an axis turns back is known as well as when, and that as well as its velocity: `δa = j·δv/a`. The judge held what is no
+/// more than that against the limit of speeding up.
+#[test]
+fn an_acceleration_where_an_axis_turns_back_is_known_as_its_velocity_is() {
+    let judged = |excess: f64, hardest: f64| {
+        let limits = LimitsSpec {
+            max_velocity: 174.5,
+            max_acceleration: 1e-3,
+            max_deceleration: Some(hardest),
+            max_jerk: 1.16,
+            ..LimitsSpec::default()
+        };
+        let profile = turned(1e-3 * (1.0 + excess), -hardest, 1.16);
+        violations(&profile, &limits.try_into().unwrap(), profile.end()).len()
+    };
+    // Of 73 units/s eight ulps are 1.3e-13; over a²/j they are 1.5e-7.
+    assert_eq!(judged(1e-8, 13.0), 0);
+    assert_eq!(judged(1e-6, 13.0), 1);
+    // Of a slow motion all is known.
+    assert_eq!(judged(1e-8, 2e-3), 1);
+
+    let (start, goal) = (
+        moving(0.0021071161289944484, -174.49703220650076),
+        State { acceleration: 1e-3, ..State::at_rest(0.0) },
+    );
+    let limits = Limits::try_from(LimitsSpec {
+        max_velocity: 174.49703220650076,
+        max_acceleration: 1e-3,
+        max_deceleration: Some(13.019231244105601),
+        max_jerk: 1.1584761656722478,
+        ..LimitsSpec::default()
+    });
+    let limits = limits.unwrap();
+    let planned = plan_between(start, goal, &limits).unwrap().to_profile();
+    assert_eq!(violations(&planned, &limits, goal), []);
+}
+
+/// What is left between the two halves of a motion is closed by its longest piece, where that still joins the next: at full jerk it did
+/// not, and one that turned on its way was cut by the velocity of its beginning.
+#[test]
+fn a_gap_is_closed_where_pieces_still_join() {
+    let check = |start: State, goal: State, bounds: BoundsSpec| {
+        let asked = Transfer::new(start, goal, bounds.try_into().unwrap()).unwrap();
+        // Or it is refused, for want of digits.
+        if let Ok(planned) = plan_transfer(&asked) {
+            assert_eq!(transfer_violations(&planned.to_profile(), asked.bounds(), goal), []);
+        }
+    };
+    check(
+        State { acceleration: 1.0, ..moving(0.0, 15289112.68147163) },
+        moving(-1e-20, -12781590.882516447),
+        BoundsSpec {
+            min_velocity: -1e20,
+            max_velocity: 1e-20,
+            min_acceleration: -13407801174516.37,
+            max_acceleration: 3.620251842445969e-14,
+            max_jerk: 1449969785116.7349,
+        },
+    );
+    let tiny = 9.999999999999999e-31;
+    check(
+        State { acceleration: tiny, ..moving(0.0, -tiny) },
+        moving(0.0, -4.173046921075371e-19),
+        BoundsSpec {
+            min_velocity: -4.173046921075371e-19,
+            max_velocity: 1e30,
+            min_acceleration: -6.985635008787696e26,
+            max_acceleration: tiny,
+            max_jerk: 604.8995576111517,
+        },
+    );
 }
 
 /// A motion of 1e-12 far from zero may round to an ulp beyond its goal, which may be the end of the range.

@@ -27,6 +27,10 @@ use planner::{
     certify, plan_between, plan_transfer, plan_velocity, retime, together, transfer_violations, violations,
 };
 
+/// How long full jerk takes to an acceleration, at least, if anything is to be known of it \[s\]. The velocity that it makes goes with the
+/// square of that, which in the planner's least unit of time, 2⁻²⁰⁰ s, is a normal number, with what is rounded off it, from here on.
+const LEAST_TIME: f64 = 1e-206;
+
 /// How often a question is asked again whose time is measured: the least counts, as others run on this machine.
 const AGAIN: usize = 5;
 
@@ -158,7 +162,11 @@ impl Wide {
 #[track_caller]
 fn legal(planned: &Transit, asked: &Transfer) {
     assert!(planned.duration() <= LONGEST, "{asked:?}: {planned:?}");
-    if !(is_normal(asked.start()) && is_normal(asked.goal())) {
+    let has_digits = |state: State| {
+        let time = state.acceleration.abs() / asked.bounds().spec().max_jerk;
+        is_normal(state) && (time == 0.0 || time >= LEAST_TIME)
+    };
+    if !(has_digits(asked.start()) && has_digits(asked.goal())) {
         return;
     }
     let found = transfer_violations(&planned.to_profile(), asked.bounds(), asked.goal());

@@ -28,11 +28,6 @@ impl Span {
         self.at(self.duration)
     }
 
-    /// What is left of it `t` seconds after its start.
-    pub(super) fn from(&self, t: f64) -> Self {
-        Self { duration: largest(0.0, self.duration - t), start: self.at(t), third: self.third }
-    }
-
     /// Does the rate stay as it is?
     pub(super) fn is_steady(&self) -> bool {
         self.third == 0.0 && self.start.acceleration == 0.0

@@ -1,9 +1,11 @@
 //! What a ramp of the rate asks of the axes, at a few instants: cheap enough to ask for every candidate. The judge has the last
 //! word.
 
+use core::cell::Cell;
+
 use super::extremes::Extremes;
 use super::span::{Ramp, Span};
-use super::walk::{Stretch, Walk};
+use super::walk::{Stretch, Walk, place_of};
 use crate::float::{largest, least, sqrt};
 use crate::{AxisPlan, Profile, Quantity, Setpoint, State};
 
@@ -40,9 +42,11 @@ impl Room {
 }
 
 /// One axis's path and what it may do there.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct AxisPath<'a> {
     pub(super) path: &'a Profile,
+    /// Where the last ramp began, as path time and as a place: most candidates begin where the one before did.
+    began: Cell<(f64, (usize, f64))>,
     /// Acceleration, deceleration and jerk [axis units/s², /s², /s³]: the limits, or where the plan does not promise to keep them
     /// and does not, what it takes.
     acceleration: f64,
@@ -63,6 +67,7 @@ impl<'a> AxisPath<'a> {
         let wide = |limit: f64, kept: bool, taken: f64| if kept { limit } else { limit.max(taken) };
         Self {
             path: &axis.profile,
+            began: Cell::new((from, place_of(&axis.profile, from))),
             acceleration: wide(limits.acceleration(), keeps_acceleration, taken.acceleration),
             deceleration: wide(limits.deceleration(), keeps_acceleration, taken.deceleration),
             jerk: wide(limits.jerk(), keeps_jerk, taken.jerk),
@@ -115,12 +120,12 @@ impl<'a> AxisPath<'a> {
     /// `None` where it keeps them all.
     pub(super) fn objection(&self, ramp: &Ramp, care: &Care) -> Option<f64> {
         let Care { looks, reserve } = *care;
-        let first = ramp.spans.first()?;
-        for Stretch { piece, from, span } in Walk::new(self.path, &ramp.spans, first.start.position, false) {
-            let step = span.duration / f64::from(looks);
-            if self.surely_keeps(piece, from, &span, care) {
+        for Stretch { piece, from, span } in self.walk(ramp)? {
+            if self.path.constant_jerk(piece).is_some_and(|jerk| self.surely_keeps(&jerk, from, &span, care))
+            {
                 continue;
             }
+            let step = span.duration / f64::from(looks);
             let mut worst = 1.0;
             for look in 0..=looks {
                 let now = span.at(f64::from(look) * step);
@@ -135,14 +140,24 @@ impl<'a> AxisPath<'a> {
         None
     }
 
+    /// The stretches of a ramp; none where it has no span.
+    fn walk<'b>(&'b self, ramp: &'b Ramp) -> Option<Walk<'b>> {
+        let begin = ramp.spans.first()?.start.position;
+        let (before, mut place) = self.began.get();
+        if before.to_bits() != begin.to_bits() {
+            place = place_of(self.path, begin);
+            self.began.set((begin, place));
+        }
+        Some(Walk::from_place(self.path, &ramp.spans, place, false))
+    }
+
     /// Has [`Self::objection`] none? Without saying by how much.
     pub(super) fn accepts(&self, ramp: &Ramp, care: &Care) -> bool {
         let Care { looks, reserve } = *care;
-        let Some(first) = ramp.spans.first() else { return true };
-        let mut walk = Walk::new(self.path, &ramp.spans, first.start.position, false);
+        let Some(mut walk) = self.walk(ramp) else { return true };
         walk.all(|Stretch { piece, from, span }| {
-            if self.path.constant_jerk(piece).is_some() {
-                return self.surely_keeps(piece, from, &span, care);
+            if let Some(jerk) = self.path.constant_jerk(piece) {
+                return self.surely_keeps(&jerk, from, &span, care);
             }
             let step = span.duration / f64::from(looks);
             (0..=looks).all(|look| {
@@ -153,13 +168,23 @@ impl<'a> AxisPath<'a> {
         })
     }
 
-    /// Are the limits kept at all looks on a stretch whose jerk is constant? Of others nothing is said.
+    /// Are the limits kept at all looks on a stretch whose jerk is constant? Given duration, start and jerk of its piece.
     #[inline]
-    fn surely_keeps(&self, piece: usize, from: f64, span: &Span, care: &Care) -> bool {
-        let Some((_, start, jerk)) = self.path.constant_jerk(piece) else { return false };
+    fn surely_keeps(
+        &self,
+        &(_, start, jerk): &(f64, State, f64),
+        from: f64,
+        span: &Span,
+        care: &Care,
+    ) -> bool {
         let Care { looks, reserve } = *care;
         let step = span.duration / f64::from(looks);
         let stretch = Steady { start: &start, jerk, from, span, step };
+        if jerk == 0.0 && start.acceleration == 0.0 {
+            // What a slope that goes one way asks for goes one way too, rounded as it is, so that both ends tell of all in between.
+            let ends = Steady { step: f64::from(looks) * step, ..stretch };
+            return self.keeps::<2>(&ends, 1.0, reserve);
+        }
         match looks {
             ..=4 => self.keeps::<6>(&stretch, f64::from(looks), reserve),
             5..=8 => self.keeps::<10>(&stretch, f64::from(looks), reserve),

@@ -38,13 +38,16 @@ impl<'a> Walk<'a> {
     /// From path time `begin` on, at which the law begins. A law that `runs_on` does not end before the path by a rounding: its last
     /// span goes on for a little, or without end where its rate stays.
     pub(super) fn new(path: &'a Profile, law: &'a [Span], begin: f64, runs_on: bool) -> Self {
-        let (mut piece, mut from) = path.place_of(begin);
-        if let Some(segment) = path.segments().get(piece) {
-            // A path time is as exact as itself, however short the piece that it lies in.
-            if segment.duration - from <= TOGETHER * largest(segment.duration, begin) {
-                (piece, from) = (piece + 1, 0.0);
-            }
-        }
+        Self::from_place(path, law, place_of(path, begin), runs_on)
+    }
+
+    /// As [`Self::new`], where the place on the path is known.
+    pub(super) fn from_place(
+        path: &'a Profile,
+        law: &'a [Span],
+        (piece, from): (usize, f64),
+        runs_on: bool,
+    ) -> Self {
         let mut walk = Self { path, law: law.iter(), piece, from, left: None, runs_on };
         walk.left = walk.next_span();
         walk
@@ -78,10 +81,11 @@ impl Iterator for Walk<'_> {
             let length = self.path.segments().get(self.piece)?.duration;
             let span = self.left?;
             let rest = length - self.from;
-            let passed = crossing(&span, rest);
+            let whole = span.end();
+            let passed = crossing(&span, &whole, rest);
             let duration = passed.unwrap_or(span.duration);
             let stretch = Stretch { piece: self.piece, from: self.from, span: Span { duration, ..span } };
-            let end = stretch.span.end();
+            let end = if passed.is_some() { span.at(duration) } else { whole };
             // What was planned to begin or end at a join does so, though rounding put it beside it: in the sliver between, the
             // jerk would be that of neither. No such care at the end of the path, which would not be reached.
             let (left, slack) = (span.duration - duration, TOGETHER * self.path.duration());
@@ -95,8 +99,8 @@ impl Iterator for Walk<'_> {
             self.left = if at_end {
                 self.next_span()
             } else {
-                let left = span.from(duration);
-                Some(Span { start: State { position: 0.0, ..left.start }, ..left })
+                let start = State { position: 0.0, ..end };
+                Some(Span { duration: largest(0.0, left), start, third: span.third })
             };
             if duration > 0.0 {
                 return Some(stretch);
@@ -105,13 +109,23 @@ impl Iterator for Walk<'_> {
     }
 }
 
-/// When path time has come `rest` further \[s\]; `None` where it does not.
-fn crossing(span: &Span, rest: f64) -> Option<f64> {
+/// The piece in which path time `begin` lies, but for a rounding, and where in it.
+pub(super) fn place_of(path: &Profile, begin: f64) -> (usize, f64) {
+    let (piece, from) = path.place_of(begin);
+    match path.piece_duration(piece) {
+        // A path time is as exact as itself, however short the piece that it lies in.
+        Some(duration) if duration - from <= TOGETHER * largest(duration, begin) => (piece + 1, 0.0),
+        _ => (piece, from),
+    }
+}
+
+/// When path time has come `rest` further \[s\]; `None` where it does not. `whole` is where the span ends.
+fn crossing(span: &Span, whole: &State, rest: f64) -> Option<f64> {
     if span.is_steady() {
         let passes = span.start.velocity * span.duration >= rest;
         return passes.then(|| rest / span.start.velocity);
     }
-    if span.end().position < rest {
+    if whole.position < rest {
         return None;
     }
     let beyond = |t: f64| {

@@ -68,7 +68,6 @@ pub fn together(
     transits: &mut Vec<Transit>,
 ) -> Result<Together, InvalidFields> {
     check(axes, timing)?;
-    transits.clear();
     match synchronization {
         Synchronization::None => apart(axes, timing, transits),
         Synchronization::Time => {
@@ -107,12 +106,13 @@ fn of_axis(index: usize) -> impl Fn(InvalidFields) -> InvalidFields {
     }
 }
 
+/// Into the places that there are already.
 fn plan_fastest(axes: &[AxisTransfer<'_>], transits: &mut Vec<Transit>) -> Result<(), InvalidFields> {
     let mut invalid = InvalidFields::default();
-    for (index, axis) in axes.iter().enumerate() {
-        match axis.quickest() {
-            Ok(transit) => transits.push(transit),
-            Err(inner) => invalid.extend_within(&Field::element("axes", index), inner),
+    transits.resize_with(axes.len(), Transit::unlaid);
+    for (index, (axis, transit)) in axes.iter().zip(transits).enumerate() {
+        if let Err(inner) = axis.lay_quickest(transit) {
+            invalid.extend_within(&Field::element("axes", index), inner);
         }
     }
     invalid.into_result(())
@@ -189,9 +189,9 @@ fn settle(
             let given = agreed.duration;
             if is_same_time(given, transit.duration()) {
                 transit.last(given);
-            } else if let Some(planned) = axis.planned_in(given) {
-                *transit = planned;
-            } else {
+            } else if !axis.lay_in(given, transit) {
+                // It lasts no time until it is laid again.
+                *transit = Transit::unlaid();
                 let arrivals = axis.arrivals().map_err(of_axis(index))?;
                 let first = arrivals.first_from(given);
                 // At a border, which is as exact as its roundings, it may be a little more.
@@ -234,6 +234,7 @@ fn in_line(
     let mut path = [question.quickest().map_err(&of_leader)?];
     let least = Together { duration: path[0].duration(), critical: Some(line.leader()) };
     let settled = settle(&[question], line.leader(), least, timing, &mut path)?;
+    transits.clear();
     transits.extend(axes.iter().enumerate().map(|(index, axis)| line.share_of(index, axis, &path[0])));
     check_ranges(axes, transits)?;
     Ok(settled)

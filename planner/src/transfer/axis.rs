@@ -1,7 +1,7 @@
 use super::arrivals::Arrivals;
 use super::timed::{Timed, is_same_time};
 use super::transit::Transit;
-use super::{BoundsSpec, NAMES, Transfer, check_duration, lasting, mapped, transit_of};
+use super::{BoundsSpec, NAMES, Transfer, check_duration, lay_fastest, lay_lasting, mapped, transit_of};
 use crate::error::InvalidFields;
 use crate::limits::not_finite;
 use crate::{Limits, Shortest, State};
@@ -162,12 +162,31 @@ impl<'a> AxisTransfer<'a> {
         }
     }
 
+    /// The fastest, wherever it leads, into `transit`, which is of no use where there is none.
+    pub(crate) fn lay_quickest(&self, transit: &mut Transit) -> Result<(), InvalidFields> {
+        match self.within {
+            Within::Bounds(transfer) => lay_fastest(&transfer, &NAMES, transit),
+            Within::Limits { start, goal, limits } => {
+                mapped::fastest(start, goal, limits).map(|planned| *transit = planned)
+            }
+        }
+    }
+
+    /// A motion that takes `duration` \[s\], more than the least, wherever it leads, into `transit`, which is of no use where there is
+    /// none.
+    pub(crate) fn lay_in(&self, duration: f64, transit: &mut Transit) -> bool {
+        match self.within {
+            Within::Bounds(transfer) => lay_lasting(&transfer, duration, transit),
+            Within::Limits { start, goal, limits } => {
+                mapped::lay_lasting(start, goal, limits, duration, transit)
+            }
+        }
+    }
+
     /// A motion that takes `duration` \[s\], more than the least, wherever it leads.
     pub(crate) fn planned_in(&self, duration: f64) -> Option<Transit> {
-        match self.within {
-            Within::Bounds(transfer) => lasting(&transfer, duration),
-            Within::Limits { start, goal, limits } => mapped::lasting(start, goal, limits, duration),
-        }
+        let mut transit = Transit::unlaid();
+        self.lay_in(duration, &mut transit).then_some(transit)
     }
 
     pub(crate) fn arrivals_from(&self, least: f64) -> Result<Arrivals, InvalidFields> {

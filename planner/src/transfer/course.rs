@@ -40,7 +40,7 @@ pub(super) struct Stroke {
 }
 
 /// The pieces of a motion in units of the axis, in order. Those before the anchor, and itself, hang on the start, those after it on the goal.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Course {
     pub(super) strokes: ArrayVec<Stroke, MAX_TRANSIT_PIECES>,
     pub(super) anchor: usize,
@@ -50,14 +50,19 @@ impl Course {
     /// The way back into the limits, with room for what comes after it. An acceleration that is held is the limit itself: what
     /// little it were off by would add up.
     pub(super) fn led(lead: &LeadIn, bounds: &Bounds, unit: f64) -> Self {
+        let mut course = Self::default();
+        course.lead(lead, bounds, unit);
+        course
+    }
+
+    /// Begins with the way back into the limits.
+    pub(super) fn lead(&mut self, lead: &LeadIn, bounds: &Bounds, unit: f64) {
         let BoundsSpec { min_acceleration, max_acceleration, max_jerk, .. } = *bounds.spec();
-        let mut course = Self { strokes: ArrayVec::new(), anchor: 0 };
         let limit = if lead.held < 0.0 { min_acceleration } else { max_acceleration };
         for &(sign, time) in &lead.pieces {
-            course.add(sign * max_jerk, time * unit, (sign == 0.0).then_some(limit), None);
+            self.add(sign * max_jerk, time * unit, (sign == 0.0).then_some(limit), None);
         }
-        course.anchor = course.strokes.len();
-        course
+        self.anchor = self.strokes.len();
     }
 
     /// The way back into the limits, and a member of a family; `unit` is the time unit \[s\] of both.

@@ -10,7 +10,6 @@ use super::upper::Upper;
 /// time in which that can be, are the upper family's. But for the lens (see [`Upper::lens`]) there is no second candidate.
 /// `slack` is what the way is rounded to.
 pub(super) fn fastest(ends: Ends, confines: Confines, way: f64, slack: f64) -> Option<Shape> {
-    let Confines { bottom, top, up, down } = confines;
     let change = Change::of(ends, confines);
     if ends.are_one() && way.abs() <= slack {
         return Some(Shape { sign: 1.0, phases: [0.0; 7] });
@@ -19,8 +18,7 @@ pub(super) fn fastest(ends: Ends, confines: Confines, way: f64, slack: f64) -> O
         return Some(change.shape);
     }
     let sign = if way > change.goes { 1.0 } else { -1.0 };
-    let upper = Upper { ends, up, down, top, way, slack };
-    let towards = |sign: f64| if sign > 0.0 { upper } else { upper.mirrored(bottom) };
+    let towards = |sign: f64| Upper::of(sign, ends, confines, way, slack);
     let family = towards(sign);
     let begins_with_peak = sign * change.shape.sign > 0.0;
     let shape = |phases: Phases| Shape { sign, phases };
@@ -41,7 +39,7 @@ pub(super) fn fastest(ends: Ends, confines: Confines, way: f64, slack: f64) -> O
         Lens::Found(phases) => Some(shape(phases)),
         Lens::Open => family.summit().map(shape),
         Lens::Closed => {
-            let (phases, goes) = upper.lowest();
+            let (phases, goes) = towards(1.0).lowest();
             let lowest = Shape { sign: 1.0, phases };
             if (way - goes).abs() <= slack + ends.way_rounding(lowest.duration()) {
                 return Some(lowest);

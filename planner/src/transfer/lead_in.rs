@@ -17,7 +17,8 @@ pub(super) struct Confines {
 }
 
 impl Confines {
-    fn mirrored(self) -> Self {
+    /// Seen from the other side.
+    pub(super) fn mirrored(self) -> Self {
         Self { bottom: -self.top, top: -self.bottom, up: self.down, down: self.up }
     }
 }

@@ -74,25 +74,36 @@ pub(super) fn by_way_of_rest(start: State, goal: State, limits: &Limits) -> Opti
     by_rest::is_too_hard(&goal, limits).then(|| by_rest::motion(start, goal, limits, None)).flatten()
 }
 
-/// The motion within limits that takes `duration` \[s\]: under the lower of both limits of acceleration, which keeps them whatever it
-/// does; under one for each direction, where only that is fast enough and the motion keeps the limits.
-pub(super) fn lasting(start: State, goal: State, limits: &Limits, duration: f64) -> Option<Transit> {
+/// Lays the motion within limits that takes `duration` \[s\]: under the lower of both limits of acceleration, which keeps them whatever it
+/// does; under one for each direction, where only that is fast enough and the motion keeps the limits. What is laid is of no use where there
+/// is none.
+pub(super) fn lay_lasting(
+    start: State,
+    goal: State,
+    limits: &Limits,
+    duration: f64,
+    transit: &mut Transit,
+) -> bool {
+    let gently = lower(start, goal, limits);
+    if gently.is_ok_and(|gently| super::lay_lasting(&gently, duration, transit)) {
+        return true;
+    }
     let (up, down) = (limits.acceleration(), limits.deceleration());
+    if up.to_bits() == down.to_bits() {
+        return false;
+    }
     let planned = |up: f64, down: f64| {
         let transfer = Transfer::new(start, goal, bounds(limits, up, down)).ok()?;
-        super::lasting(&transfer, duration)
+        let mut planned = Transit::unlaid();
+        super::lay_lasting(&transfer, duration, &mut planned).then_some(planned)
     };
-    let lower = least(up, down);
-    let gently = planned(lower, lower);
-    if gently.is_some() || up.to_bits() == down.to_bits() {
-        return gently;
-    }
     let both = [(up, down), (down, up)].into_iter();
     let each = both.filter_map(|(up, down)| planned(up, down)).find(|planned| keeps(planned, limits));
-    each.or_else(|| {
+    let planned = each.or_else(|| {
         let by_rest = || by_rest::motion(start, goal, limits, Some(duration));
         by_rest::is_too_hard(&goal, limits).then(by_rest).flatten()
-    })
+    });
+    planned.map(|planned| *transit = planned).is_some()
 }
 
 /// The question under the lower of both limits of acceleration.

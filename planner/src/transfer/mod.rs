@@ -178,17 +178,21 @@ pub fn plan_transfer(transfer: &Transfer) -> Result<Transit, InvalidFields> {
 }
 
 fn transit_of(transfer: &Transfer, names: &Names) -> Result<Transit, InvalidFields> {
+    let mut transit = Transit::unlaid();
+    lay_fastest(transfer, names, &mut transit)?;
+    Ok(transit)
+}
+
+/// As [`transit_of`], into `transit`, which is of no use where nothing is laid.
+fn lay_fastest(transfer: &Transfer, names: &Names, transit: &mut Transit) -> Result<(), InvalidFields> {
     let scaled = Scaled::of(transfer);
     let Scaled { confines, way, slack, unit, .. } = scaled;
     let lead = LeadIn::of(scaled.start, confines);
     match fastest(scaled.ends_after(&lead), confines, way - lead.way, slack) {
         Some(shape) => {
             let course = Course::of(&lead, &shape, transfer, unit);
-            let planned = Transit::lay(transfer.start, transfer.goal, &course, None);
-            if let Ok(transit) = &planned {
-                check_duration(transit.duration())?;
-            }
-            planned
+            transit.lay(transfer.start, transfer.goal, &course, None)?;
+            check_duration(transit.duration())
         }
         None => Err(behind(transfer, names)),
     }
@@ -207,10 +211,13 @@ pub(crate) fn check_duration(duration: f64) -> Result<(), InvalidFields> {
     Err(InvalidFields::one(Field::default(), Why::TooManyCycles { seconds }))
 }
 
-/// The motion that takes `duration` \[s\]; none where there is none.
-fn lasting(transfer: &Transfer, duration: f64) -> Option<Transit> {
-    let course = Timed::of(transfer).course(transfer, duration)?;
-    Transit::lay(transfer.start, transfer.goal, &course, Some(duration)).ok()
+/// Lays the motion that takes `duration` \[s\]; `transit` is of no use where there is none.
+fn lay_lasting(transfer: &Transfer, duration: f64, transit: &mut Transit) -> bool {
+    let timed = Timed::of(transfer);
+    let mut course = Course::default();
+    course.lead(&timed.lead, &transfer.bounds, timed.unit);
+    timed.go_on(&mut course, transfer, duration)
+        && transit.lay(transfer.start, transfer.goal, &course, Some(duration)).is_ok()
 }
 
 /// The goal lies behind: what can be reached is where the axis can come to a stop.
@@ -247,7 +254,8 @@ pub fn plan_velocity(start: State, velocity: f64, bounds: Bounds) -> Result<Tran
     let length = bounds.spec().max_jerk * unit * unit * unit;
     transfer.goal.position += (lead.way + change.goes) * length;
     let course = Course::of(&lead, &change.shape, &transfer, unit);
-    let planned = Transit::lay(start, transfer.goal, &course, None)?;
+    let mut planned = Transit::unlaid();
+    planned.lay(start, transfer.goal, &course, None)?;
     check_duration(planned.duration())?;
     planned.check_numbers()?;
     Ok(planned)

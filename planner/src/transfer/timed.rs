@@ -33,26 +33,14 @@ pub(super) struct Timed {
     pub(super) unit: f64,
 }
 
-/// A motion of a given duration, after the way back into the limits.
-#[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "it lives on the stack, for as long as it is laid")]
-pub(super) enum Found {
-    Steady(Steady),
-    /// A member of a family.
-    Member(Shape),
-    /// The blend of two, as large a part of the first as is said.
-    Blend([Strand; 2], f64),
-}
-
 impl Timed {
     pub(super) fn of(transfer: &Transfer) -> Self {
         let scaled = Scaled::of(transfer);
         let Scaled { confines, way, slack, unit, .. } = scaled;
         let lead = LeadIn::of(scaled.start, confines);
         let ends = scaled.ends_after(&lead);
-        let Confines { bottom, top, up, down } = confines;
-        let upper = Upper { ends, up, down, top, way: way - lead.way, slack };
-        Self { families: [upper, upper.mirrored(bottom)], confines, lead, unit }
+        let families = [1.0, -1.0].map(|sign| Upper::of(sign, ends, confines, way - lead.way, slack));
+        Self { families, confines, lead, unit }
     }
 
     /// How long the fastest change of velocity takes.
@@ -65,50 +53,47 @@ impl Timed {
         self.lead.pieces.iter().fold(0.0, |sum, (_, time)| sum + time)
     }
 
-    /// The motion that takes `duration` \[s\]; none where there is none.
-    pub(super) fn course(&self, transfer: &Transfer, duration: f64) -> Option<Course> {
+    /// Goes on, after the way back into the limits, with the motion that takes `duration` \[s\] with it. Is there one?
+    pub(super) fn go_on(&self, course: &mut Course, transfer: &Transfer, duration: f64) -> bool {
         let time = duration / self.unit - self.led_for();
-        let found = self.lasting(time)?;
-        let mut course = Course::led(&self.lead, &transfer.bounds, self.unit);
-        match &found {
-            Found::Steady(steady) => course.steady(steady, &transfer.bounds, self.unit),
-            Found::Member(shape) => course.phases(shape, &transfer.bounds, self.unit),
-            Found::Blend([upper, lower], part) => {
-                course.blend([upper, lower], *part, time, &transfer.bounds, self.unit);
-            }
-        }
-        Some(course)
-    }
-
-    fn lasting(&self, time: f64) -> Option<Found> {
         let [upper, _] = &self.families;
         let feet = self.families.map(|family| family.steady_at_foot(time));
         // A steady motion comes after both. Also false for NaN.
         let changes = feet.iter().any(Option::is_some)
             || (time >= self.change() * (1.0 - SAME_TIME) && !self.in_gap(time));
         if !changes {
-            return None;
+            return false;
         }
+        let (bounds, unit) = (&transfer.bounds, self.unit);
         for (index, family) in self.families.iter().enumerate() {
             if let Some(foot) = feet[index].filter(|foot| foot.way() <= family.way) {
-                let found = family.steady_above(foot, time);
-                return found
-                    .map(|steady| Found::Steady(if index == 0 { steady } else { steady.mirrored() }))
-                    .or_else(|| self.member(index, time));
+                if let Some(steady) = family.steady_above(foot, time) {
+                    let steady = if index == 0 { steady } else { steady.mirrored() };
+                    course.steady(&steady, bounds, unit);
+                    return true;
+                }
+                let member = self.member(index, time);
+                if let Some(shape) = &member {
+                    course.phases(shape, bounds, unit);
+                }
+                return member.is_some();
             }
         }
         let between = if feet.iter().all(Option::is_some) { upper.steady_between(time) } else { None };
         if let Some(steady) = between {
-            return Some(Found::Steady(steady));
+            course.steady(&steady, bounds, unit);
+            return true;
         }
         let strands = [0, 1].map(|index| self.strand(index, feet[index].as_ref(), time));
-        let (farthest, nearest) = (strands[0].way, strands[1].way);
-        let off = largest(upper.way - farthest, nearest - upper.way);
+        let [farthest, nearest] = &strands;
+        let off = largest(upper.way - farthest.way, nearest.way - upper.way);
         if off > 0.0 && off > self.slack(time) {
-            return None;
+            return false;
         }
-        let part = if farthest > nearest { (upper.way - nearest) / (farthest - nearest) } else { 0.0 };
-        Some(Found::Blend(strands, least(1.0, largest(0.0, part))))
+        let room = farthest.way - nearest.way;
+        let part = if room > 0.0 { (upper.way - nearest.way) / room } else { 0.0 };
+        course.blend([farthest, nearest], least(1.0, largest(0.0, part)), time, bounds, unit);
+        true
     }
 
     /// What is blended on the side of a family: the motion that is steady at its foot, or, where that takes longer, its member.
@@ -125,11 +110,11 @@ impl Timed {
     }
 
     /// The member of a family that takes `time`, where it goes the way but for a rounding.
-    fn member(&self, index: usize, time: f64) -> Option<Found> {
+    fn member(&self, index: usize, time: f64) -> Option<Shape> {
         let family = &self.families[index];
         let Member { phases, way, .. } = family.lasting(time);
         let sign = if index == 0 { 1.0 } else { -1.0 };
-        (way >= family.way - self.slack(time)).then_some(Found::Member(Shape { sign, phases }))
+        (way >= family.way - self.slack(time)).then_some(Shape { sign, phases })
     }
 
     /// What the way is rounded to, of which the two ends have no part while the motion cruises.

@@ -32,30 +32,36 @@ pub struct Transit {
 }
 
 impl Transit {
+    /// Of no piece yet: the place that one is laid into, since to copy it costs as much as to lay two of its pieces.
+    pub(crate) fn unlaid() -> Self {
+        Self { pieces: ArrayVec::new(), start: State::at_rest(0.0), goal: State::at_rest(0.0) }
+    }
+
     /// Lays the pieces of a course end to end, those up to the anchor forward from the start, those after it backward from the
     /// goal, each relative to its own end, so that both are met to the last bit, and what rounding there is meets in the middle. It
     /// lasts `duration` \[s\], where that is given.
     ///
     /// # Errors
     /// Where that is more than a rounding: the parts of the motion are so many decades apart that numbers do not have the digits.
+    /// What is laid is then of no use.
     pub(super) fn lay(
+        &mut self,
         start: State,
         goal: State,
         course: &Course,
         duration: Option<f64>,
-    ) -> Result<Self, InvalidFields> {
-        // Laid into the answer: to copy it costs as much as to lay two of its pieces.
-        let mut laid = Ok(Self { pieces: ArrayVec::new(), start, goal });
-        let Ok(transit) = &mut laid else { return laid };
+    ) -> Result<(), InvalidFields> {
+        (self.start, self.goal) = (start, goal);
+        self.pieces.clear();
         let (forward, backward) = course.strokes.split_at(course.anchor);
         let mut at = State { position: 0.0, ..start };
         for &Stroke { jerk, time, acceleration, velocity } in forward {
             at.acceleration = acceleration.unwrap_or(at.acceleration);
             at.velocity = velocity.unwrap_or(at.velocity);
-            transit.push(jerk, time, start.position, at);
+            self.push(jerk, time, start.position, at);
             at = at.after(jerk, time);
         }
-        let (seam, met) = (transit.pieces.len(), at.position);
+        let (seam, met) = (self.pieces.len(), at.position);
         let mut begins: ArrayVec<State, MAX_TRANSIT_PIECES> = ArrayVec::new();
         let mut at = State { position: 0.0, ..goal };
         for &Stroke { jerk, time, acceleration, .. } in backward.iter().rev() {
@@ -67,21 +73,21 @@ impl Transit {
             begins.push(at);
         }
         for (&Stroke { jerk, time, .. }, &at) in backward.iter().zip(begins.iter().rev()) {
-            transit.push(jerk, time, goal.position, at);
+            self.push(jerk, time, goal.position, at);
         }
         let comes_from = begins.last().map_or(0.0, |begin| begin.position);
         let mut gap = (met - comes_from) - (goal.position - start.position);
-        if let Some(Piece { duration, start: first, .. }) = transit.pieces.first_mut() {
+        if let Some(Piece { duration, start: first, .. }) = self.pieces.first_mut() {
             let (velocity, acceleration) =
                 (start.velocity - first.velocity, start.acceleration - first.acceleration);
             gap += *duration * (velocity + 0.5 * *duration * acceleration);
             *first = start;
         }
         if let Some(duration) = duration {
-            transit.last(duration);
+            self.last(duration);
         }
-        let closed = transit.close(seam.max(1), gap, duration.is_none());
-        if closed { laid } else { Err(too_far_apart()) }
+        let closed = self.close(seam.max(1), gap, duration.is_none());
+        if closed { Ok(()) } else { Err(too_far_apart()) }
     }
 
     /// One motion, a wait at rest where it ends, and another from there; none where they have too many pieces.
@@ -99,7 +105,7 @@ impl Transit {
     ///
     /// Where a motion is fast, and for long slow or all but steady, what its velocity is rounded to is a way that counts: it has the
     /// longest piece a little slower. Or, where the duration is free, that piece is a little shorter, over which its velocity does not
-    /// change by more than roundings.
+    /// change by more than roundings, and which still joins the next.
     fn close(&mut self, seam: usize, gap: f64, is_free: bool) -> bool {
         let Self { start, goal, .. } = *self;
         // Of this the positions know nothing.
@@ -128,12 +134,24 @@ impl Transit {
         if gap.abs() > MOST_CLOSED * extent {
             return gap.abs() <= allowed;
         }
-        let rounding = CRAWL_ROUNDED * most(&|state| state.velocity);
-        let Piece { duration, start: State { velocity, acceleration, .. }, .. } = &mut self.pieces[longest];
-        let (slower, shorter) = (gap / *duration, gap / *velocity);
+        let (fastest, hardest) = (most(&|state| state.velocity), most(&|state| state.acceleration));
+        let rounding = CRAWL_ROUNDED * fastest;
+        let Piece { duration, start, jerk } = &mut self.pieces[longest];
+        let after = |time: f64| State { position: 0.0, ..*start }.after(*jerk, time);
+        let end = after(*duration);
+        let (slower, shorter) = (gap / *duration, gap / end.velocity);
+        let cut = after(*duration - shorter);
+        // Also false for NaN.
+        let still_joins = (cut.position - end.position + gap).abs() <= JOIN_TOLERANCE * extent
+            && (cut.velocity - end.velocity).abs() <= JOIN_TOLERANCE * fastest
+            && (cut.acceleration - end.acceleration).abs() <= JOIN_TOLERANCE * hardest;
         if longest > 0 && slower.abs() <= rounding {
-            *velocity -= slower;
-        } else if is_free && shorter.abs() <= 0.5 * *duration && (*acceleration * shorter).abs() <= rounding {
+            start.velocity -= slower;
+        } else if is_free
+            && shorter.abs() <= 0.5 * *duration
+            && (start.acceleration * shorter).abs() <= rounding
+            && still_joins
+        {
             *duration -= shorter;
         } else {
             return gap.abs() <= allowed;

@@ -1,4 +1,5 @@
 use super::ends::{Ends, Moving, Phases};
+use super::lead_in::Confines;
 use crate::float::{largest, least, sqrt};
 use crate::roots::convex_root;
 
@@ -19,6 +20,8 @@ pub(super) struct Upper {
     pub(super) way: f64,
     /// What that is rounded to.
     pub(super) slack: f64,
+    /// Of the ends: every summit is above them.
+    feet: Feet,
 }
 
 /// From an end to a velocity at which acceleration is zero, or back: full jerk for `rise`, the limit for `hold`, and full jerk
@@ -74,6 +77,17 @@ pub(super) struct Feet {
     pub(super) last: f64,
 }
 
+impl Feet {
+    fn of(ends: &Ends) -> Self {
+        let Ends { start, goal, change } = *ends;
+        let (from_start, from_goal) = (start.coasting(), goal.reversed().coasting());
+        let square = |moving: Moving| moving.acceleration * moving.acceleration.abs();
+        let apart = change.velocity - 0.5 * (square(start) + square(goal));
+        let (first, last) = (ends.beyond_rounding(apart), ends.beyond_rounding(-apart));
+        Self { first, last, lowest: largest(from_start, from_goal) }
+    }
+}
+
 /// Two flanks that meet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Summit {
@@ -102,21 +116,25 @@ impl Summit {
 }
 
 impl Upper {
-    pub(super) fn mirrored(self, bottom: f64) -> Self {
-        let Self { ends, up, down, way, slack, .. } = self;
-        Self { ends: ends.mirrored(), up: down, down: up, top: -bottom, way: -way, slack }
+    /// The family between two ends, with the way to go, and what that is rounded to; the lower one, seen from the other side, where `sign`
+    /// is negative.
+    pub(super) fn of(sign: f64, ends: Ends, confines: Confines, way: f64, slack: f64) -> Self {
+        let (ends, Confines { top, up, down, .. }, way) =
+            if sign < 0.0 { (ends.mirrored(), confines.mirrored(), -way) } else { (ends, confines, way) };
+        Self { ends, up, down, top, way, slack, feet: Feet::of(&ends) }
     }
 
     /// Run backwards, which leaves the family as it is.
     pub(super) fn reversed(self) -> Self {
-        Self { ends: self.ends.reversed(), up: self.down, down: self.up, ..self }
+        let ends = self.ends.reversed();
+        Self { ends, up: self.down, down: self.up, feet: Feet::of(&ends), ..self }
     }
 
     /// The member that goes the way, among those that pass zero acceleration on the way down; none where velocities up to the
     /// limit, which is then zero, do not lead there. What they go at least is less than the way.
     pub(super) fn summit(&self) -> Option<Phases> {
         let Ends { start, goal, .. } = self.ends;
-        let Feet { lowest, first, last } = self.feet();
+        let Feet { lowest, first, last } = self.feet;
         let at = |above: f64| self.summit_at(above);
         let room = self.ends.beyond_rounding(self.top - lowest);
         let highest = at(room);
@@ -155,7 +173,7 @@ impl Upper {
     /// The two flanks up to a velocity `above` the lowest at which they meet.
     pub(super) fn summit_at(&self, above: f64) -> Summit {
         let Ends { start, goal, .. } = self.ends;
-        let Feet { first, last, .. } = self.feet();
+        let Feet { first, last, .. } = self.feet;
         Summit {
             first: Flank::of(start, above + first, self.up),
             last: Flank::of(goal.reversed(), above + last, self.down),
@@ -164,16 +182,11 @@ impl Upper {
 
     /// How far the limit of velocity is above the lowest summit.
     pub(super) fn room(&self) -> f64 {
-        self.ends.beyond_rounding(self.top - self.feet().lowest)
+        self.ends.beyond_rounding(self.top - self.feet.lowest)
     }
 
     pub(super) fn feet(&self) -> Feet {
-        let Ends { start, goal, change } = self.ends;
-        let (from_start, from_goal) = (start.coasting(), goal.reversed().coasting());
-        let square = |moving: Moving| moving.acceleration * moving.acceleration.abs();
-        let apart = change.velocity - 0.5 * (square(start) + square(goal));
-        let first = self.ends.beyond_rounding(apart);
-        Feet { first, last: self.ends.beyond_rounding(-apart), lowest: largest(from_start, from_goal) }
+        self.feet
     }
 
     /// The member with the lowest summit, and what it goes.

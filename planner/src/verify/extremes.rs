@@ -4,7 +4,8 @@ use arrayvec::ArrayVec;
 
 use super::joins::fastest_join;
 use super::led_back::LedBack;
-use super::{JOIN_TOLERANCE, POSITION_ULPS, VELOCITY_ULPS};
+use super::{JOIN_TOLERANCE, LIMIT_TOLERANCE, POSITION_ULPS, VELOCITY_ULPS};
+use crate::float::largest;
 use crate::segment::turning_points_of_jerk;
 use crate::{Limits, MAX_ORDER, Profile, Segment, Setpoint, State};
 
@@ -173,7 +174,7 @@ impl Extremes {
     fn see_setpoint(&mut self, time: f64, setpoint: Setpoint, travel: f64, limits: &Limits) {
         let Setpoint { state: State { position, velocity, acceleration }, jerk } = setpoint;
         widen(&mut self.least_position, &mut self.greatest_position, position, time);
-        self.fastest = self.fastest.max(velocity.abs());
+        self.fastest = largest(self.fastest, velocity.abs());
         if !self.led_back.passes_velocity(velocity, time) {
             widen(&mut self.least_velocity, &mut self.greatest_velocity, velocity, time);
         }
@@ -186,11 +187,27 @@ impl Extremes {
             limits.deceleration()
         };
         if !self.led_back.passes_acceleration(acceleration, hardest, time) {
-            self.acceleration.see_magnitude(acceleration, hardest, time);
+            let beyond = acceleration.abs() > (1.0 + LIMIT_TOLERANCE) * hardest;
+            let known = if beyond { self.known_acceleration(setpoint, hardest) } else { acceleration };
+            self.acceleration.see_magnitude(known, hardest, time);
         }
         self.jerk.see_magnitude(jerk, limits.jerk(), time);
-        self.hardest[2] = self.hardest[2].max(acceleration.abs());
-        self.hardest[3] = self.hardest[3].max(jerk.abs());
+        self.hardest[2] = largest(self.hardest[2], acceleration.abs());
+        self.hardest[3] = largest(self.hardest[3], jerk.abs());
+    }
+
+    /// An acceleration beyond `limit` as far as it is known: where an axis turns back, the limit itself, if no more than a rounding is beyond.
+    ///
+    /// Its velocity is known to `z`, a rounded zero, so that it may as well turn `z/|a|` sooner or later, when another limit holds; by then
+    /// its acceleration has changed by `|j|·z/|a|`. As `a²` changes by `2·j·Δv`, an excess that is less and shrinks is over before the speed
+    /// is `z`; one that grows has its extreme elsewhere.
+    #[cold]
+    fn known_acceleration(&self, setpoint: Setpoint, limit: f64) -> f64 {
+        let Setpoint { state: State { velocity, acceleration, .. }, jerk } = setpoint;
+        let rounding = jerk.abs() * self.zero / acceleration.abs();
+        // Both are false for NaN.
+        let turns = velocity.abs() <= self.zero && acceleration.abs() - rounding <= limit;
+        if turns { limit.copysign(acceleration) } else { acceleration }
     }
 
     fn extent(&self) -> f64 {

@@ -26,7 +26,9 @@ use extremes::{Extremes, Worst};
 use joins::Jumps;
 pub use transfer::transfer_violations;
 
-/// Of a limit \[1\]: what a motion may be beyond it, since its pieces are rounded.
+/// Of a limit \[1\]: what a motion may be beyond it, since its pieces are rounded. Where an axis turns back, from one limit of acceleration to
+/// another, its acceleration is known no better than the time of that: what it may be beyond besides is `j·δv/a`, of a `δv` of eight ulps of
+/// the fastest.
 pub const LIMIT_TOLERANCE: f64 = 1e-9;
 /// Of the scale of a motion (its extent, its fastest, its hardest) \[1\]: what two pieces may be apart where they join.
 pub const JOIN_TOLERANCE: f64 = 1e-10;
