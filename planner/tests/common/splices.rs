@@ -90,17 +90,26 @@ fn retarget(motion: &Motion, factor: f64) -> Operation {
 
 /// What is asked of a planner alone for that retarget of one axis: from where `motion` is just after [`AT`].
 pub(crate) fn question(motion: &Motion, axis: usize) -> Question {
-    let limits = &motion.plan().axes()[axis].limits;
-    let (velocity, acceleration) = (limits.velocity_forward(), limits.acceleration());
     Question {
         start: motion.state(axis, AT + 1),
         goal: State::at_rest(0.7 * motion.plan().axes()[axis].goal.position),
+        ..whole(motion, axis)
+    }
+}
+
+/// What is asked of a planner alone for one axis of `motion`, from its beginning to its goal.
+pub(crate) fn whole(motion: &Motion, axis: usize) -> Question {
+    let planned = &motion.plan().axes()[axis];
+    let (velocity, acceleration) = (planned.limits.velocity_forward(), planned.limits.acceleration());
+    Question {
+        start: planned.profile.start(),
+        goal: planned.goal,
         bounds: BoundsSpec {
             min_velocity: -velocity,
             max_velocity: velocity,
             min_acceleration: -acceleration,
             max_acceleration: acceleration,
-            max_jerk: limits.jerk(),
+            max_jerk: planned.limits.jerk(),
         },
     }
 }
