@@ -194,6 +194,7 @@ mod tests {
     }
 
     #[test]
+    #[allow(clippy::float_cmp, reason = "they are those very values")]
     fn quantiles_are_values_that_were_seen() {
         assert_eq!(quantile(vec![3.0, 1.0, 2.0], 0.5), 2.0);
         assert_eq!(quantile(vec![4.0, 1.0, 2.0, 3.0], 0.5), 2.0);

@@ -2,7 +2,7 @@
 //! between the shapes and an ulp beside them, nothing to go, almost nothing, and a million; round numbers; limits twelve
 //! decades apart; starts far from zero; travel both ways.
 
-#![allow(dead_code, reason = "each test takes what it needs")]
+#![allow(dead_code, unused_imports, reason = "each test takes what it needs")]
 
 pub(crate) mod axes;
 pub(crate) mod commands;
