@@ -1,5 +1,6 @@
 //! Every flag, with its unit in `--help`, and an example for every command.
 
+mod bench;
 mod command;
 mod compare;
 mod diff;
@@ -21,6 +22,7 @@ use proto::Reason;
 
 use crate::failure::Failure;
 use crate::law::LawFlags;
+pub(crate) use bench::BenchArgs;
 pub(crate) use command::{CommandArgs, Order};
 pub(crate) use compare::CompareArgs;
 pub(crate) use diff::DiffArgs;
@@ -62,6 +64,7 @@ Examples:
   portamento watch
   portamento replay run.mcap
   portamento grade
+  portamento bench
   portamento explain PATH_TOO_SHORT
 
 Exit codes:
@@ -145,6 +148,7 @@ pub(crate) enum Command {
     Watch(WatchArgs),
     Replay(ReplayArgs),
     Grade(GradeArgs),
+    Bench(BenchArgs),
     Explain(ExplainArgs),
 }
 

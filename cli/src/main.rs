@@ -6,6 +6,7 @@ mod args;
 mod command;
 mod failure;
 mod law;
+mod measure;
 mod record;
 mod replica;
 mod service;

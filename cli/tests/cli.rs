@@ -43,7 +43,7 @@ fn unversioned(text: &str) -> String {
 fn help_teaches() {
     for command in [
         "", "demo", "init", "plan", "pvt", "compare", "verify", "diff", "sample", "track", "command",
-        "watch", "replay", "grade", "explain",
+        "watch", "replay", "grade", "bench", "explain",
     ] {
         let args: Vec<&str> = [command, "--help"].into_iter().filter(|arg| !arg.is_empty()).collect();
         let help = portamento(&args, "").with(0).out;

@@ -21,8 +21,8 @@ use std::hint::black_box;
 
 use common::Random;
 use common::commands::{self, BEAT};
+use common::moves::{self, Draw};
 use common::paths;
-use common::peer::{self, Draw};
 use common::splices::{self, AT};
 use common::states::{self, Question};
 use planner::generator::{AxisLimits, Generator};
@@ -56,7 +56,7 @@ fn moves() {
     let drawn = |rest_to_rest, asymmetric| -> Vec<Problem> {
         let mut random = Random(3);
         let draw = Draw { rest_to_rest, asymmetric, wide: false };
-        (0..INPUTS).map(|_| peer::problem(&mut random, draw)).collect()
+        (0..INPUTS).map(|_| moves::problem(&mut random, draw)).collect()
     };
     let plan = |problem: &Problem| {
         black_box(&plan_move(problem)).as_ref().unwrap();
@@ -68,7 +68,7 @@ fn moves() {
 
     let mut random = Random(5);
     let higher: Vec<Problem> =
-        drawn(true, false).iter().map(|problem| peer::with_higher_limits(&mut random, problem)).collect();
+        drawn(true, false).iter().map(|problem| moves::with_higher_limits(&mut random, problem)).collect();
     for order in [4, 5] {
         each(&format!("plan/order_{order}_solved"), &higher, |problem| {
             black_box(&plan_polynomial(problem, order).unwrap());

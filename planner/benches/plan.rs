@@ -19,7 +19,8 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use common::Random;
-use common::peer::{self, Draw, Peer};
+use common::moves::{self, Draw};
+use common::peer::{self, Peer};
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, criterion_group, criterion_main};
 use planner::{
@@ -36,7 +37,7 @@ fn problems(rest_to_rest: bool, asymmetric: bool) -> Vec<Problem> {
     let (mut random, mut peer) = (Random(3), Peer::new());
     let mut problems = Vec::with_capacity(PROBLEMS);
     while problems.len() < PROBLEMS {
-        let problem = peer::problem(&mut random, draw);
+        let problem = moves::problem(&mut random, draw);
         let ours = plan_move(&problem).unwrap();
         assert_eq!(violations(&ours.to_profile(), problem.limits(), problem.goal()), []);
         if let Some(theirs) = peer.duration(&peer::input(&problem)) {
@@ -106,7 +107,7 @@ fn families(criterion: &mut Criterion) {
     let mut random = Random(5);
     let problems: Vec<Problem> = problems(true, false)
         .into_iter()
-        .map(|problem| peer::with_higher_limits(&mut random, &problem))
+        .map(|problem| moves::with_higher_limits(&mut random, &problem))
         .collect();
     for (name, order) in [("plan/order_4", 4), ("plan/order_5", 5)] {
         let mut group = criterion.benchmark_group(name);

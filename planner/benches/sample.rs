@@ -15,13 +15,16 @@ mod common;
 
 use std::hint::black_box;
 
+use common::axes::{self, Fixed};
 use common::peer::{self, Peer};
 use common::splices;
+use common::states::Question;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use planner::{Cursor, CycleTime, Limits, Problem, Profile, ShortPathPolicy, State, plan_move};
-use rsruckig::prelude::{DataArrayOrVec, Trajectory};
+use rsruckig::prelude::{DataArrayOrVec, Synchronization, Trajectory};
 
 const CYCLES: u64 = 1000;
+const SIX: usize = 6;
 
 /// A move of seven pieces that lasts 1.2 s, so that a thousand cycles of 1.2 ms see them all.
 fn problem() -> Problem {
@@ -29,8 +32,11 @@ fn problem() -> Problem {
     Problem::new(State::at_rest(0.0), State::at_rest(0.425), limits, ShortPathPolicy::Reject).unwrap()
 }
 
-fn theirs(trajectory: &Trajectory<1>, time: f64) -> [f64; 4] {
-    let mut parts = [0.0; 4].map(|zero| DataArrayOrVec::Stack([zero]));
+/// Position, velocity, acceleration and jerk of every axis.
+type Parts<const AXES: usize> = [DataArrayOrVec<f64, AXES>; 4];
+
+fn all<const AXES: usize>(trajectory: &Trajectory<AXES>, time: f64) -> Parts<AXES> {
+    let mut parts = [0.0; 4].map(|zero| DataArrayOrVec::Stack([zero; AXES]));
     let [position, velocity, acceleration, jerk] = &mut parts;
     trajectory.at_time(
         time,
@@ -40,7 +46,11 @@ fn theirs(trajectory: &Trajectory<1>, time: f64) -> [f64; 4] {
         &mut Some(jerk),
         &mut None,
     );
-    parts.map(|part| part[0])
+    parts
+}
+
+fn theirs(trajectory: &Trajectory<1>, time: f64) -> [f64; 4] {
+    all(trajectory, time).map(|part| part[0])
 }
 
 fn assert_equal(profile: &Profile, trajectory: &Trajectory<1>, cycle: CycleTime) {
@@ -114,5 +124,53 @@ fn samples(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, samples);
+/// As a batch is made: six axes, each at its own time, all cycles of the first, then all of the second …
+fn six_axes(criterion: &mut Criterion) {
+    let motion = splices::motions().into_iter().find(|(name, _)| *name == "6_axes").unwrap().1;
+    let plan = motion.plan();
+    let asked: Vec<Question> = (0..SIX).map(|axis| splices::whole(&motion, axis)).collect();
+    let mut asked = axes::input::<SIX>(&asked);
+    asked.synchronization = Synchronization::None;
+    let mut peer = Fixed::<SIX>::new();
+    peer.duration(&asked).unwrap();
+    let trajectory = peer.trajectory;
+    for number in 0..CYCLES {
+        let time = plan.time_of(number);
+        let theirs = all(&trajectory, time);
+        for (axis, planned) in plan.axes().iter().enumerate() {
+            let ours = planned.profile.at(time).words();
+            for (ours, theirs) in ours.iter().zip(&theirs).take(3) {
+                assert!((ours - theirs[axis]).abs() < 1e-9, "{ours} and {} at {time}", theirs[axis]);
+            }
+        }
+    }
+
+    let mut group = criterion.benchmark_group("sample/1000_cycles_of_6_axes");
+    group.throughput(Throughput::Elements(CYCLES * SIX as u64));
+    let mut rows = vec![[0.0; 4]; CYCLES as usize * SIX];
+    group.bench_function("ours, in a row", |bencher| {
+        bencher.iter(|| {
+            let (mut sampler, mut rows) = (black_box(plan).sampler(), rows.iter_mut());
+            for axis in 0..SIX {
+                sampler.columns(axis, 0..CYCLES, |setpoint| {
+                    if let Some(row) = rows.next() {
+                        *row = setpoint.words();
+                    }
+                });
+            }
+        });
+        black_box(&rows);
+    });
+    let times: Vec<f64> = (0..CYCLES).map(|number| plan.time_of(number)).collect();
+    group.bench_function("rsruckig", |bencher| {
+        bencher.iter(|| {
+            for time in &times {
+                black_box(all(black_box(&trajectory), *time));
+            }
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, samples, six_axes);
 criterion_main!(benches);

@@ -20,10 +20,8 @@ use std::hint::black_box;
 
 use common::peer::{self, Peer};
 use common::splices::{self, AT};
-use common::states::Question;
 use criterion::{Criterion, criterion_group, criterion_main};
-use planner::motion::Motion;
-use planner::{BoundsSpec, State, certify};
+use planner::certify;
 
 fn splice(criterion: &mut Criterion) {
     for (name, motion) in splices::motions() {
@@ -36,7 +34,7 @@ fn splice(criterion: &mut Criterion) {
         group.bench_function("judge_alone", |bencher| bencher.iter(|| certify(black_box(motion.plan()))));
         if name == "6_axes" {
             let questions: Vec<_> = (0..motion.plan().axes().len())
-                .map(|axis| peer::question(&question(&motion, axis)))
+                .map(|axis| peer::question(&splices::question(&motion, axis)))
                 .collect();
             let mut peer = Peer::new();
             group.bench_function("rsruckig_without_a_judge", |bencher| {
@@ -49,22 +47,6 @@ fn splice(criterion: &mut Criterion) {
             });
         }
         group.finish();
-    }
-}
-
-fn question(motion: &Motion, axis: usize) -> Question {
-    let limits = &motion.plan().axes()[axis].limits;
-    let (velocity, acceleration) = (limits.velocity_forward(), limits.acceleration());
-    Question {
-        start: motion.state(axis, AT + 1),
-        goal: State::at_rest(0.7 * motion.plan().axes()[axis].goal.position),
-        bounds: BoundsSpec {
-            min_velocity: -velocity,
-            max_velocity: velocity,
-            min_acceleration: -acceleration,
-            max_acceleration: acceleration,
-            max_jerk: limits.jerk(),
-        },
     }
 }
 

@@ -20,33 +20,14 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use common::Random;
-use common::axes::{Peer, input};
+use common::axes::{Fixed, Peer, input};
 use common::states::{Kind, Question, question};
 use criterion::{Criterion, criterion_group, criterion_main};
 use planner::{AxisTransfer, Synchronization, Timing, Transit, together};
-use rsruckig::prelude::{InputParameter, Ruckig, RuckigResult, ThrowErrorHandler, Trajectory};
+use rsruckig::prelude::InputParameter;
 
 /// How many problems are planned in turn.
 const PROBLEMS: usize = 1000;
-
-/// The peer, of a number of axes that it knows beforehand, as it is fastest.
-struct Fixed<const AXES: usize> {
-    ruckig: Ruckig<AXES, ThrowErrorHandler>,
-    trajectory: Trajectory<AXES>,
-}
-
-impl<const AXES: usize> Fixed<AXES> {
-    fn new() -> Self {
-        Self { ruckig: Ruckig::new(None, 0.001), trajectory: Trajectory::new(None) }
-    }
-
-    fn plan(&mut self, input: &InputParameter<AXES>) -> bool {
-        matches!(
-            self.ruckig.calculate(input, &mut self.trajectory),
-            Ok(RuckigResult::Working | RuckigResult::Finished)
-        )
-    }
-}
 
 fn plan(axes: &[AxisTransfer<'_>], transits: &mut Vec<Transit>) -> f64 {
     together(axes, Synchronization::Time, Timing::default(), transits).unwrap().duration
@@ -76,7 +57,7 @@ fn compare<const AXES: usize>(criterion: &mut Criterion) {
     });
     let mut cycle = theirs.iter().cycle();
     group.bench_function("rsruckig", |bencher| {
-        bencher.iter(|| peer.plan(black_box(cycle.next().unwrap())));
+        bencher.iter(|| peer.duration(black_box(cycle.next().unwrap())));
     });
     group.finish();
 
@@ -90,7 +71,7 @@ fn compare<const AXES: usize>(criterion: &mut Criterion) {
         });
         let theirs = timed(|| {
             theirs.iter().for_each(|input| {
-                black_box(peer.plan(black_box(input)));
+                black_box(peer.duration(black_box(input)));
             });
         });
         best = [best[0].min(ours), best[1].min(theirs)];

@@ -15,7 +15,8 @@
 mod common;
 
 use common::Random;
-use common::peer::{self, Draw, Peer};
+use common::moves::{self, Draw};
+use common::peer::{self, Peer};
 use planner::{Problem, plan_move, violations};
 
 /// Of a duration [1]: how much longer than the peer's ours may be. The peer itself is content with 1e-9 of the distance.
@@ -101,7 +102,7 @@ fn compare(count: u32, seed: u64) {
         let mut random = Random(seed);
         let mut tally = Tally::default();
         for _ in 0..count / 8 {
-            tally.ask(&mut peer, &peer::problem(&mut random, draw));
+            tally.ask(&mut peer, &moves::problem(&mut random, draw));
         }
         let Tally { asked, refused, slower, slowest, longer, residual, examples } = tally;
         println!(

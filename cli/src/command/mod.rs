@@ -1,6 +1,7 @@
 //! One file for each subcommand.
 
 mod batch;
+mod bench;
 mod compare;
 mod demo;
 pub(crate) mod diff;
@@ -54,6 +55,9 @@ fn execute(command: &Command, server: Server<'_>, screen: &mut Screen<'_>) -> Re
             "demo runs its own server in this process: leave --endpoint out, or use plan and track"
                 .to_owned(),
         )),
+        Command::Bench(_) if server.endpoint.is_some() => {
+            Err(Failure::Usage("bench measures this process: leave --endpoint out".to_owned()))
+        }
         Command::Demo(args) => demo::run(args, screen),
         Command::Init(args) => init::run(args, screen),
         Command::Plan(args) => plan::run(args, server, screen),
@@ -67,6 +71,7 @@ fn execute(command: &Command, server: Server<'_>, screen: &mut Screen<'_>) -> Re
         Command::Replay(args) => replay::run(args, screen),
         Command::Watch(args) => watch::run(args, server, screen),
         Command::Grade(args) => grade::run(args, server, screen),
+        Command::Bench(args) => bench::run(args, screen),
         Command::Explain(args) => explain::run(args, screen),
     }
 }

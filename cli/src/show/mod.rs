@@ -1,5 +1,6 @@
 //! How answers look: tables and paragraphs for people, JSON and CSV for programs, plots for both.
 
+pub(crate) mod bench;
 pub(crate) mod compared;
 pub(crate) mod csv;
 pub(crate) mod differences;

@@ -493,6 +493,11 @@ impl Verdict {
 }
 
 impl Table {
+    /// With one blank between columns, where there are many.
+    pub(crate) fn narrow() -> Self {
+        Self { gap: " ", ..Self::default() }
+    }
+
     pub(crate) fn right(&mut self, heading: &str, unit: &str, cells: Vec<String>) {
         self.push(heading, unit, cells, true);
     }

@@ -4,7 +4,7 @@ use rsruckig::prelude::{
     DataArrayOrVec, InputParameter, Ruckig, RuckigResult, Synchronization, ThrowErrorHandler, Trajectory,
 };
 
-use super::Random;
+use super::random::Random;
 use super::states::{Kind, Question, question};
 
 /// The most axes that are drawn.
@@ -98,5 +98,25 @@ impl Peer {
             (last.p[7] - asked.goal.position).abs() <= end * extent + rounding
                 && (last.v[7] - asked.goal.velocity).abs() <= end * fastest
         })
+    }
+}
+
+/// The peer, of a number of axes that it knows beforehand, as it is fastest.
+pub(crate) struct Fixed<const AXES: usize> {
+    ruckig: Ruckig<AXES, ThrowErrorHandler>,
+    pub(crate) trajectory: Trajectory<AXES>,
+}
+
+impl<const AXES: usize> Fixed<AXES> {
+    pub(crate) fn new() -> Self {
+        Self { ruckig: Ruckig::new(None, 0.001), trajectory: Trajectory::new(None) }
+    }
+
+    /// The peer's duration [s]; none where it refuses.
+    pub(crate) fn duration(&mut self, input: &InputParameter<AXES>) -> Option<f64> {
+        match self.ruckig.calculate(input, &mut self.trajectory) {
+            Ok(RuckigResult::Working | RuckigResult::Finished) => Some(self.trajectory.get_duration()),
+            _ => None,
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Commands of position, velocity and time, as a tracked target gives them.
 
-use super::Random;
+use super::random::Random;
 
 /// One command comes after another \[s\].
 pub(crate) const BEAT: f64 = 0.05;

@@ -2,13 +2,16 @@
 //! between the shapes and an ulp beside them, nothing to go, almost nothing, and a million; round numbers; limits twelve
 //! decades apart; starts far from zero; travel both ways.
 
-#![allow(dead_code, reason = "each test takes what it needs")]
+#![allow(dead_code, unused_imports, reason = "each test takes what it needs")]
 
 pub(crate) mod axes;
 pub(crate) mod commands;
 pub(crate) mod motions;
+pub(crate) mod moves;
 pub(crate) mod paths;
 pub(crate) mod peer;
+pub(crate) mod ramp;
+pub(crate) mod random;
 pub(crate) mod record;
 pub(crate) mod splices;
 pub(crate) mod states;
@@ -17,6 +20,16 @@ pub(crate) mod vectors;
 
 use planner::{Limits, LimitsSpec, Problem, ShortPathPolicy, State};
 use proptest::prelude::*;
+
+pub(crate) use ramp::{ramp_length, ramp_time};
+pub(crate) use random::Random;
+pub(crate) use states::nudged;
+
+impl From<&vectors::Record> for states::Question {
+    fn from(record: &vectors::Record) -> Self {
+        Self { start: record.start(), goal: record.goal(), bounds: record.bounds() }
+    }
+}
 
 /// A problem before it is checked, so that it can be turned round, scaled and printed.
 #[derive(Clone, Debug)]
@@ -139,25 +152,6 @@ pub(crate) fn polynomial_problem(from: f64, to: f64, limits: &[f64]) -> Problem 
     };
     let limits = Limits::try_from(spec).unwrap();
     Problem::new(State::at_rest(from), State::at_rest(to), limits, ShortPathPolicy::Reject).unwrap()
-}
-
-/// The time of a ramp, written a second time: independent of the solver.
-pub(crate) fn ramp_time(change: f64, acceleration: f64, jerk: f64) -> f64 {
-    if change * jerk < acceleration * acceleration {
-        2.0 * (change / jerk).sqrt()
-    } else {
-        change / acceleration + acceleration / jerk
-    }
-}
-
-/// The length of a ramp between two speeds.
-pub(crate) fn ramp_length(from: f64, to: f64, acceleration: f64, jerk: f64) -> f64 {
-    (from + to) / 2.0 * ramp_time((from - to).abs(), acceleration, jerk)
-}
-
-/// `value`, a few floats further.
-pub(crate) fn nudged(value: f64, ulps: i32) -> f64 {
-    (0..ulps.abs()).fold(value, |value, _| if ulps > 0 { value.next_up() } else { value.next_down() })
 }
 
 /// Below the normal numbers the laws hold to fewer and fewer digits; what happens there has tests of its own.
@@ -342,33 +336,4 @@ pub(crate) fn case_from_zero() -> impl Strategy<Value = Case> {
 /// As [`case_from_zero`], and long enough to keep its end velocity.
 pub(crate) fn feasible_case() -> impl Strategy<Value = Case> {
     drawn(&[ShortPathPolicy::Reject], false, true)
-}
-
-/// SplitMix64 (Steele, Lea and Flood, 2014): the same numbers everywhere, for inputs that are too many to shrink.
-#[derive(Clone, Debug)]
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// In `0..1`.
-    pub(crate) fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// In `from..to`.
-    pub(crate) fn between(&mut self, from: f64, to: f64) -> f64 {
-        from + (to - from) * self.unit()
-    }
-
-    /// In `from..to`, every decade alike.
-    pub(crate) fn decades(&mut self, from: f64, to: f64) -> f64 {
-        from * (to / from).powf(self.unit())
-    }
 }

@@ -6,7 +6,7 @@ use planner::{
     Method, Plan, Profile, Quantity, Request, RequestSpec, Segment, ShortPathPolicy, State, Synchronization,
 };
 
-use super::Random;
+use super::random::Random;
 
 pub(crate) const NAMES: [&str; 6] = ["x", "y", "z", "a", "b", "c"];
 

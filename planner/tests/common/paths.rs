@@ -6,7 +6,7 @@ use planner::{
     Problem, Profile, Quantity, Segment, ShortPathPolicy, State, plan_move, plan_polynomial,
 };
 
-use super::Random;
+use super::random::Random;
 
 /// What a plan is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

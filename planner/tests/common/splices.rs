@@ -2,11 +2,12 @@
 
 use planner::motion::{AxisGoal, Motion, Operation, Override};
 use planner::{
-    AxisKind, AxisMoveSpec, CycleTime, Family, Judged, Limits, LimitsSpec, Method, Plan, Profile, Request,
-    RequestSpec, ShortPathPolicy, State, Synchronization,
+    AxisKind, AxisMoveSpec, BoundsSpec, CycleTime, Family, Judged, Limits, LimitsSpec, Method, Plan, Profile,
+    Request, RequestSpec, ShortPathPolicy, State, Synchronization,
 };
 
 use super::motions::{NAMES, Opening};
+use super::states::Question;
 
 /// Half a metre or so from zero, each axis another way.
 fn opening(axes: usize, line: bool) -> Opening {
@@ -85,4 +86,30 @@ fn retarget(motion: &Motion, factor: f64) -> Operation {
         limits: None,
     });
     Operation::Retarget(goals.collect())
+}
+
+/// What is asked of a planner alone for that retarget of one axis: from where `motion` is just after [`AT`].
+pub(crate) fn question(motion: &Motion, axis: usize) -> Question {
+    Question {
+        start: motion.state(axis, AT + 1),
+        goal: State::at_rest(0.7 * motion.plan().axes()[axis].goal.position),
+        ..whole(motion, axis)
+    }
+}
+
+/// What is asked of a planner alone for one axis of `motion`, from its beginning to its goal.
+pub(crate) fn whole(motion: &Motion, axis: usize) -> Question {
+    let planned = &motion.plan().axes()[axis];
+    let (velocity, acceleration) = (planned.limits.velocity_forward(), planned.limits.acceleration());
+    Question {
+        start: planned.profile.start(),
+        goal: planned.goal,
+        bounds: BoundsSpec {
+            min_velocity: -velocity,
+            max_velocity: velocity,
+            min_acceleration: -acceleration,
+            max_acceleration: acceleration,
+            max_jerk: planned.limits.jerk(),
+        },
+    }
 }

@@ -2,7 +2,7 @@
 
 use planner::{Bounds, BoundsSpec, State, Transfer};
 
-use super::{Random, vectors};
+use super::random::Random;
 
 /// A question before it is checked.
 #[derive(Clone, Copy, Debug)]
@@ -10,12 +10,6 @@ pub(crate) struct Question {
     pub(crate) start: State,
     pub(crate) goal: State,
     pub(crate) bounds: BoundsSpec,
-}
-
-impl From<&vectors::Record> for Question {
-    fn from(record: &vectors::Record) -> Self {
-        Self { start: record.start(), goal: record.goal(), bounds: record.bounds() }
-    }
 }
 
 impl Question {
@@ -119,10 +113,15 @@ fn sign(random: &mut Random) -> f64 {
     if random.bits().is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
+/// `value`, a few floats further.
+pub(crate) fn nudged(value: f64, ulps: i32) -> f64 {
+    (0..ulps.abs()).fold(value, |value, _| if ulps > 0 { value.next_up() } else { value.next_down() })
+}
+
 /// `value`, up to two floats to the side; zero is left alone.
 fn beside(random: &mut Random, value: f64) -> f64 {
     let ulps = (random.bits() % 5) as i32 - 2;
-    if value == 0.0 { value } else { super::nudged(value, ulps) }
+    if value == 0.0 { value } else { nudged(value, ulps) }
 }
 
 fn limits(random: &mut Random, kind: Kind) -> BoundsSpec {
