@@ -92,7 +92,7 @@ impl Server {
         // The frame refuses larger ones, with a reason; below it nothing else is to.
         let size = config.serving.max_message_bytes;
         let board = Board::recorded_in(config.record.as_deref());
-        let planner = Planner::new(config.limits, figures);
+        let planner = Planner::new(config.limits, size, figures, leaving.clone());
         let setpoints = Setpoints::new(streams, board.clone(), served_by, leaving.clone());
         let caller = Caller::without_a_name(config.serving.policy.clone());
         let console = Console {

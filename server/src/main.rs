@@ -56,6 +56,9 @@ struct MotionFlags {
     /// The most axes of a request or a stream.
     #[arg(long, env = "PORTAMENTO_MAX_AXES", default_value = "256", value_name = "COUNT", help_heading = MOTION)]
     max_axes: Given<usize>,
+    /// The most requests in a message of PlanMany.
+    #[arg(long, env = "PORTAMENTO_MAX_PLANS_PER_MESSAGE", default_value = "4096", value_name = "COUNT", help_heading = MOTION)]
+    max_plans_per_message: Given<usize>,
     /// The most segments of a plan that is sent in, of all its axes together.
     #[arg(long, env = "PORTAMENTO_MAX_SEGMENTS", default_value = "1000000", value_name = "COUNT", help_heading = MOTION)]
     max_segments: Given<usize>,
@@ -109,6 +112,7 @@ fn config(args: Args, mut misfits: Misfits) -> (Config, Misfits) {
         max_streams,
         max_streams_per_identity,
         max_axes,
+        max_plans_per_message,
         max_segments,
         max_cycles,
         max_pvt_points,
@@ -123,6 +127,11 @@ fn config(args: Args, mut misfits: Misfits) -> (Config, Misfits) {
             &mut misfits,
         ),
         axes: max_axes.or_note("max-axes", usual.axes, &mut misfits),
+        plans_per_message: max_plans_per_message.or_note(
+            "max-plans-per-message",
+            usual.plans_per_message,
+            &mut misfits,
+        ),
         segments: max_segments.or_note("max-segments", usual.segments, &mut misfits),
         cycles: max_cycles.or_note("max-cycles", usual.cycles, &mut misfits),
         pvt_points: max_pvt_points.or_note("max-pvt-points", usual.pvt_points, &mut misfits),

@@ -17,6 +17,7 @@ mod families;
 mod large_messages;
 mod limits;
 mod operations;
+mod plan_many;
 mod plan_then_stream;
 mod pvt;
 mod rehearsed;
