@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use server::{Config, Limits, Server};
-use serving::{Arguments, Flags, Given, Misfits, told_to_stop};
+use serving::{Address, Arguments, Flags, Given, Misfits, told_to_stop};
 
 /// Plans jerk-limited motion and streams it to axes, over gRPC.
 #[derive(Debug, Parser)]
@@ -20,9 +20,10 @@ use serving::{Arguments, Flags, Given, Misfits, told_to_stop};
                   portamento-server --config deploy/config/server.toml"
 )]
 struct Args {
-    /// Where to listen; port 0 takes any free one.
-    #[arg(long, env = "PORTAMENTO_LISTEN", default_value = "127.0.0.1:50051", value_name = "ADDRESS:PORT")]
-    listen: Given<SocketAddr>,
+    /// Where to listen: a port, of which 0 takes any free one, or unix:/PATH, a socket that processes of this user and
+    /// group reach (mode 0660), without --insecure; one that nobody listens at is replaced, and it is removed at the end.
+    #[arg(long, env = "PORTAMENTO_LISTEN", default_value = "127.0.0.1:50051", value_name = "ADDRESS")]
+    listen: Given<Address>,
     /// Where to serve HTTP beside gRPC: /healthz, /readyz, /metrics, and pages for people; nowhere by default.
     #[arg(long, env = "PORTAMENTO_HTTP", value_name = "ADDRESS:PORT")]
     http: Option<Given<SocketAddr>>,

@@ -29,4 +29,5 @@ mod standing_services;
 mod synchronised;
 mod told;
 mod tracking;
+mod unix;
 mod watching;
