@@ -9,6 +9,7 @@
 
 mod certificates;
 mod network;
+mod process;
 mod rig;
 
 use std::net::SocketAddr;
@@ -20,6 +21,7 @@ use planner::{
     Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, ShortPathPolicy, State,
     Synchronization,
 };
+pub use process::{Process, cpu};
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::{Open, Source};
