@@ -216,9 +216,7 @@ async fn calling<F: Future<Output = Result<(), tonic::Status>> + Send + 'static>
     server: u32,
     into: &mut Measured,
     ask: impl Fn() -> F,
-) -> Result<(), Failed>
-where
-{
+) -> Result<(), Failed> {
     let until = Instant::now() + Duration::from_secs(args.seconds);
     let (begun, used) = (Instant::now(), [cpu(server)?, cpu(std::process::id())?]);
     let mut waiting = tokio::task::JoinSet::new();
@@ -281,14 +279,16 @@ fn count(into: &mut Measured, server: u32, begun: Instant, used: [f64; 2]) -> Re
 
 fn print_row(row: &Value) {
     let number = |key: &str| row[key].as_f64().unwrap_or(f64::NAN);
+    // Of streams nothing is timed.
+    let time = |key: &str| row[key].as_f64().map_or_else(|| "-".to_owned(), |time| format!("{time:.0}"));
     println!(
-        "{:<18} {:>10.0}/s {:>6.2} of empty  p50 {:>7.0} p99 {:>7.0} p99.9 {:>7.0} us  CPU {:>5.2} server {:>5.2} asking",
+        "{:<18} {:>10.0}/s {:>6.2} of empty  p50 {:>7} p99 {:>7} p99.9 {:>7} us  CPU {:>5.2} server {:>5.2} asking",
         row["name"].as_str().unwrap_or_default(),
         number("perSecond"),
         number("ofEmpty"),
-        number("p50Us"),
-        number("p99Us"),
-        number("p999Us"),
+        time("p50Us"),
+        time("p99Us"),
+        time("p999Us"),
         number("serverCpu"),
         number("askingCpu")
     );
