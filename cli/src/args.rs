@@ -89,7 +89,7 @@ pub(crate) struct Global {
     /// Print JSON for programs, one document a line, instead of tables for people.
     #[arg(long, global = true, help_heading = EVERYWHERE)]
     pub(crate) json: bool,
-    /// Ask the server at this address, as http://127.0.0.1:50051, instead of planning in this process; for track: the
+    /// Ask the server at this address, as http://127.0.0.1:50051 or unix:/run/portamento.sock, instead of planning in this process; for track: the
     /// axis simulator.
     #[arg(long, global = true, value_name = "URL", help_heading = EVERYWHERE, value_parser = endpoint)]
     pub(crate) endpoint: Option<String>,

@@ -21,7 +21,7 @@ impl Replica {
         let runtime = runtime.map_err(|error| internal(&error))?;
         let config = Config { served_by: Some(name.into()), ..Config::loopback() };
         let server = runtime.block_on(Server::bind(config)).map_err(|error| internal(&error))?;
-        let endpoint = format!("http://{}", server.address());
+        let endpoint = server.address().endpoint();
         runtime.spawn(server.run(std::future::pending()));
         Ok(Self { runtime: Some(runtime), endpoint })
     }

@@ -39,7 +39,7 @@ pub(crate) struct Remote {
 }
 
 /// What a planner can be asked.
-pub(crate) trait Question: Sized + Send + 'static {
+pub(crate) trait Question: Clone + Send + 'static {
     /// What it answers.
     type Answer: Send + 'static;
 
@@ -48,6 +48,14 @@ pub(crate) trait Question: Sized + Send + 'static {
 
     /// Asks a server.
     fn there(self, client: &Client) -> impl Future<Output = Result<Self::Answer, client::Error>> + Send;
+
+    /// Asks a server for all at once, where there is such a call; `None` where there is none, or where it says nothing of each.
+    fn all_there(
+        _all: Vec<Self>,
+        _client: &Client,
+    ) -> impl Future<Output = Option<Vec<Result<Self::Answer, Rejected>>>> + Send {
+        std::future::ready(None)
+    }
 }
 
 impl Question for RequestSpec {
@@ -59,6 +67,10 @@ impl Question for RequestSpec {
 
     fn there(self, client: &Client) -> impl Future<Output = Result<Judged, client::Error>> + Send {
         client.plan(self)
+    }
+
+    async fn all_there(all: Vec<Self>, client: &Client) -> Option<Vec<Result<Judged, Rejected>>> {
+        client.plan_all(all).await.ok()
     }
 }
 
@@ -164,8 +176,31 @@ fn shared<T: Sync>(all: &[T], each: &(impl Fn(&T) -> String + Sync)) -> Vec<Stri
     })
 }
 
-/// Asks a server, with many requests under way, and hands on the answers in order.
+/// Asks a server and hands on the answers in order: all over one stream, and where that ends early, each by itself, which says
+/// what is wrong with whom.
 async fn ask_all<Q: Question>(
+    client: &Client,
+    questions: Vec<Result<Q, Rejected>>,
+    write: impl Fn(Result<Q::Answer, Rejected>) -> String + Copy + Send + 'static,
+    put: Put<'_, String>,
+) -> Result<(), Failure> {
+    let readable = questions.iter().flatten().cloned().collect();
+    let Some(answers) = Q::all_there(readable, client).await else {
+        return ask_each(client, questions, write, put).await;
+    };
+    let mut answers = answers.into_iter();
+    for question in questions {
+        let answer = match question {
+            Ok(_) => answers.next(),
+            Err(rejected) => Some(Err(rejected)),
+        };
+        answer.map_or(Ok(()), |answer| put(write(answer)))?;
+    }
+    Ok(())
+}
+
+/// Asks a server, with many requests under way, and hands on the answers in order.
+async fn ask_each<Q: Question>(
     client: &Client,
     questions: Vec<Result<Q, Rejected>>,
     write: impl Fn(Result<Q::Answer, Rejected>) -> String + Copy + Send + 'static,

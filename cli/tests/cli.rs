@@ -331,7 +331,7 @@ fn server() -> String {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(async {
             let server = server::Server::bind(server::Config::loopback()).await.unwrap();
-            told.send(format!("http://{}", server.address())).unwrap();
+            told.send(server.address().endpoint()).unwrap();
             server.run(std::future::pending()).await.unwrap();
         });
     });
@@ -379,6 +379,8 @@ fn a_server_gives_the_answers_of_this_process() {
             _ => request(f64::from(index) / 1e3).to_string(),
         })
         .collect();
+    // Nobody at a socket is said as nobody at a port is.
+    plan(&["--distance", "0.05", "--endpoint", "unix:/nowhere/portamento.sock"]).with(4);
     let batch = ask(&["plan", "--batch", "-"], &lines.join("\n")).with(0);
     assert_eq!(batch.out.lines().count(), lines.len());
     let args = [&["plan"], &LIMITS[..], &["--distance", "0.4"]].concat();

@@ -2,13 +2,22 @@ use tonic::transport::Endpoint;
 
 use crate::Error;
 
-/// The address that `endpoint` writes, `http://127.0.0.1:50051`, the same without the scheme, or `https://`, as something to connect to.
+/// The address that `endpoint` writes, as something to connect to: `http://127.0.0.1:50051`, the same without the scheme, `https://`, or
+/// `unix:/run/portamento.sock`, a socket of this machine, without encryption.
 ///
 /// # Errors
 /// [`Error::Address`] where it is none. Whether anybody answers there is
 /// not asked.
 pub fn address(endpoint: &str) -> Result<Endpoint, Error> {
     let invalid = |cause: String| Error::Address { endpoint: endpoint.into(), cause };
+    if let Some(path) = endpoint.strip_prefix("unix:") {
+        // With a host it would be an address of something else.
+        if !path.starts_with('/') || path.starts_with("//") || path.len() == 1 {
+            return Err(invalid("it names no path from the root, as unix:/run/portamento.sock".into()));
+        }
+        return Endpoint::from_shared(endpoint.to_owned())
+            .map_err(|error| invalid(proto::unreachable(&error).message().to_owned()));
+    }
     let uri = if endpoint.contains("://") { endpoint.into() } else { format!("http://{endpoint}") };
     let address = Endpoint::from_shared(uri)
         .map_err(|error| invalid(proto::unreachable(&error).message().to_owned()))?;
@@ -35,6 +44,7 @@ mod tests {
             "planner:50051",
             "http://[::1]:50051/",
             "https://planner:443",
+            "unix:/run/portamento.sock",
         ] {
             assert!(address(good).is_ok(), "{good}");
         }
@@ -45,6 +55,9 @@ mod tests {
             ("https://:443", "it names no host"),
             ("ftp://planner:21", "the scheme is ftp"),
             ("http://:50051", "it names no host"),
+            ("unix:", "it names no path"),
+            ("unix:socket", "it names no path"),
+            ("unix://host/socket", "it names no path"),
             ("foo", "it names no port"),
             ("127.0.0.1", "it names no port"),
         ];

@@ -12,7 +12,7 @@ pub enum Error {
     #[error("{0}")]
     Rejected(Box<Rejected>),
     /// Yours to mend: nobody can be asked at such an address.
-    #[error("{endpoint:?} is not an address: {cause}; write it as http://host:port")]
+    #[error("{endpoint:?} is not an address: {cause}; write it as http://host:port or unix:/path")]
     Address {
         /// As it was given.
         endpoint: String,

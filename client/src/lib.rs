@@ -2,6 +2,7 @@
 //!
 //! - [`address`]: what can be connected to; [`Connect`]: how, with encryption
 //! - [`Client`]: asks a server for plans, and opens streams
+//! - [`Client::plan_many`], [`Client::plan_all`]: many plans over one stream
 //! - [`Setpoints`]: the cycles of a stream in order; a gap is an error, not a shrug
 //! - [`Buffer`]: the rule by which an axis accepts setpoints, for those who own the clock: no allocation, no waiting
 //! - [`Client::control`], [`control`]: operations on a stream that an axis has opened
@@ -19,6 +20,7 @@ pub mod failover;
 pub mod grade;
 mod join;
 mod link;
+mod many;
 mod record;
 mod revision;
 mod setpoints;
@@ -44,6 +46,7 @@ pub use control::control;
 pub use error::Error;
 pub use join::JoinRule;
 pub use link::{Link, Reports};
+pub use many::{Answers, Asking};
 pub use record::Record;
 pub use revision::Revision;
 pub use setpoints::Setpoints;

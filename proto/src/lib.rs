@@ -12,6 +12,7 @@
 //! build script.
 
 mod convert;
+mod detail;
 mod digest;
 mod fingerprint;
 mod json;
@@ -25,11 +26,12 @@ mod trace_context;
 mod transcript;
 
 pub use convert::{
-    Against, accepted, accepted_in, against, malformed_duration, misclassified, plan_as_it_is,
-    plan_as_it_is_in, plan_from_wire, plan_in, plan_request_from_wire, plan_to_wire, point_to_wire,
-    pvt_from_wire, pvt_request_from_wire, pvt_to_wire, pvt_to_wire_by, request_from_wire, request_to_wire,
-    response_from_wire, response_to_wire, within,
+    Against, accepted, accepted_in, against, malformed_duration, misclassified, outcome_from_wire,
+    outcome_to_wire, plan_as_it_is, plan_as_it_is_in, plan_from_wire, plan_in, plan_request_from_wire,
+    plan_to_wire, point_to_wire, pvt_from_wire, pvt_request_from_wire, pvt_to_wire, pvt_to_wire_by,
+    request_from_wire, request_to_wire, response_from_wire, response_to_wire, within,
 };
+pub use detail::Detail;
 pub use digest::{Digest, RaggedColumns};
 pub use fingerprint::fingerprint;
 pub use json::{JsonError, JsonStyle, from_json, to_json, to_json_pretty, to_json_value, to_json_with};

@@ -182,6 +182,9 @@ reasons! {
         TooManyPoints "TOO_MANY_POINTS"
             "The request has more points than the server allows. Send them in parts by appending, or raise the \
              server's limit that is named."
+        TooManyPlans "TOO_MANY_PLANS"
+            "A message asks for more plans than the server allows. Send them in several messages of the same stream, or \
+             raise the server's limit that is named."
         TooManySegments "TOO_MANY_SEGMENTS"
             "The plan has more segments than the server allows. Split the motion, or raise the server's limit that \
              is named."

@@ -8,6 +8,7 @@ use serving::Leaving;
 use tokio::sync::{mpsc, oneshot};
 use tonic::{Status, Streaming};
 
+use crate::rpc;
 use crate::session::{Answer, Event, Output, Session};
 use crate::streams::{Claim, Command, Streams};
 use crate::watch::{Board, Tap};
@@ -159,9 +160,6 @@ async fn next_event(incoming: &mut Incoming) -> Event {
             Err(rejected) => Event::Unreadable(rejected),
         },
         Ok(None) => Event::AxisClosed,
-        Err(status) => Event::Unreadable(Rejected::from_status(&status).unwrap_or_else(|| {
-            let text = format!("the message cannot be read: {}; compare with the schema", status.message());
-            Rejected::new(Reason::MessageInvalid, text)
-        })),
+        Err(status) => Event::Unreadable(rpc::unreadable(&status)),
     }
 }

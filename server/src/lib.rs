@@ -31,19 +31,17 @@ use console::Console;
 use figures::Figures;
 pub use limits::Limits;
 use rpc::{Planner, Setpoints};
-pub use serving::{Misfits, ServeError, Settings};
+pub use serving::{Address, Misfits, ServeError, Settings};
 use streams::Streams;
 use watch::Board;
 
 /// What a replica is called that has no name. All that listen on every address of their machine have the same one, so there it is the machine's
 /// name that tells them apart.
-fn name_of(address: SocketAddr) -> String {
-    if !address.ip().is_unspecified() {
-        return address.to_string();
-    }
+fn name_of(address: &Address) -> String {
+    let Some(port) = address.port().filter(|_| address.is_everywhere()) else { return address.to_string() };
     let host = std::env::var("HOSTNAME").or_else(|_| std::fs::read_to_string("/etc/hostname"));
     match host.as_deref().map(str::trim) {
-        Ok(host) if planner::wrong_name(host).is_none() => format!("{host}:{}", address.port()),
+        Ok(host) if planner::wrong_name(host).is_none() => format!("{host}:{port}"),
         _ => address.to_string(),
     }
 }
@@ -68,7 +66,7 @@ impl Server {
 
     /// Where the server listens.
     #[must_use]
-    pub fn address(&self) -> SocketAddr {
+    pub fn address(&self) -> &Address {
         self.bound.address()
     }
 
@@ -92,7 +90,7 @@ impl Server {
         // The frame refuses larger ones, with a reason; below it nothing else is to.
         let size = config.serving.max_message_bytes;
         let board = Board::recorded_in(config.record.as_deref());
-        let planner = Planner::new(config.limits, figures);
+        let planner = Planner::new(config.limits, size, figures, leaving.clone());
         let setpoints = Setpoints::new(streams, board.clone(), served_by, leaving.clone());
         let caller = Caller::without_a_name(config.serving.policy.clone());
         let console = Console {

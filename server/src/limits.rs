@@ -10,6 +10,8 @@ pub struct Limits {
     pub streams_per_identity: usize,
     /// The most axes of a request or a stream.
     pub axes: usize,
+    /// The most requests in a message of `PlanMany`.
+    pub plans_per_message: usize,
     /// The most segments of a plan that is sent in, of all its axes together.
     pub segments: usize,
     /// The most cycles of a motion that is streamed.
@@ -26,6 +28,8 @@ impl Default for Limits {
             streams: 10_000,
             streams_per_identity: 10_000,
             axes: 256,
+            // A few milliseconds of work for a core, and an answer of some 5 MB.
+            plans_per_message: 4096,
             segments: 1_000_000,
             // A thousand hours at 1 ms.
             cycles: 3_600_000_000,
@@ -39,12 +43,22 @@ impl Default for Limits {
 
 impl Limits {
     /// Every limit by its setting.
-    pub(crate) fn named(&self) -> [(&'static str, u64); 7] {
-        let Self { streams, streams_per_identity, axes, segments, cycles, pvt_points, sample_cycles } = *self;
+    pub(crate) fn named(&self) -> [(&'static str, u64); 8] {
+        let Self {
+            streams,
+            streams_per_identity,
+            axes,
+            plans_per_message,
+            segments,
+            cycles,
+            pvt_points,
+            sample_cycles,
+        } = *self;
         [
             ("max-streams", streams as u64),
             ("max-streams-per-identity", streams_per_identity as u64),
             ("max-axes", axes as u64),
+            ("max-plans-per-message", plans_per_message as u64),
             ("max-segments", segments as u64),
             ("max-cycles", cycles),
             ("max-pvt-points", pvt_points as u64),
@@ -62,6 +76,20 @@ impl Limits {
             "has {given} axes, and this server takes {most}: plan those apart that need not go together, or raise max_axes"
         );
         let rejected = Rejected::for_field(field, Reason::TooManyAxes, text);
+        Err(rejected.with("given", given).with("allowed", most))
+    }
+
+    /// Are `given` requests as many as a message may have?
+    pub(crate) fn admit_plans(&self, given: usize) -> Result<(), Rejected> {
+        let most = self.plans_per_message;
+        if given <= most {
+            return Ok(());
+        }
+        let text = format!(
+            "has {given} requests, and this server takes {most} in a message: send them in several, on the same stream, or \
+             raise max_plans_per_message"
+        );
+        let rejected = Rejected::for_field("requests", Reason::TooManyPlans, text);
         Err(rejected.with("given", given).with("allowed", most))
     }
 

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use server::{Config, Limits, Server};
-use serving::{Arguments, Flags, Given, Misfits, told_to_stop};
+use serving::{Address, Arguments, Flags, Given, Misfits, told_to_stop};
 
 /// Plans jerk-limited motion and streams it to axes, over gRPC.
 #[derive(Debug, Parser)]
@@ -20,9 +20,10 @@ use serving::{Arguments, Flags, Given, Misfits, told_to_stop};
                   portamento-server --config deploy/config/server.toml"
 )]
 struct Args {
-    /// Where to listen; port 0 takes any free one.
-    #[arg(long, env = "PORTAMENTO_LISTEN", default_value = "127.0.0.1:50051", value_name = "ADDRESS:PORT")]
-    listen: Given<SocketAddr>,
+    /// Where to listen: a port, of which 0 takes any free one, or unix:/PATH, a socket that processes of this user and
+    /// group reach (mode 0660), without --insecure; one that nobody listens at is replaced, and it is removed at the end.
+    #[arg(long, env = "PORTAMENTO_LISTEN", default_value = "127.0.0.1:50051", value_name = "ADDRESS")]
+    listen: Given<Address>,
     /// Where to serve HTTP beside gRPC: /healthz, /readyz, /metrics, and pages for people; nowhere by default.
     #[arg(long, env = "PORTAMENTO_HTTP", value_name = "ADDRESS:PORT")]
     http: Option<Given<SocketAddr>>,
@@ -56,6 +57,9 @@ struct MotionFlags {
     /// The most axes of a request or a stream.
     #[arg(long, env = "PORTAMENTO_MAX_AXES", default_value = "256", value_name = "COUNT", help_heading = MOTION)]
     max_axes: Given<usize>,
+    /// The most requests in a message of PlanMany.
+    #[arg(long, env = "PORTAMENTO_MAX_PLANS_PER_MESSAGE", default_value = "4096", value_name = "COUNT", help_heading = MOTION)]
+    max_plans_per_message: Given<usize>,
     /// The most segments of a plan that is sent in, of all its axes together.
     #[arg(long, env = "PORTAMENTO_MAX_SEGMENTS", default_value = "1000000", value_name = "COUNT", help_heading = MOTION)]
     max_segments: Given<usize>,
@@ -109,6 +113,7 @@ fn config(args: Args, mut misfits: Misfits) -> (Config, Misfits) {
         max_streams,
         max_streams_per_identity,
         max_axes,
+        max_plans_per_message,
         max_segments,
         max_cycles,
         max_pvt_points,
@@ -123,6 +128,11 @@ fn config(args: Args, mut misfits: Misfits) -> (Config, Misfits) {
             &mut misfits,
         ),
         axes: max_axes.or_note("max-axes", usual.axes, &mut misfits),
+        plans_per_message: max_plans_per_message.or_note(
+            "max-plans-per-message",
+            usual.plans_per_message,
+            &mut misfits,
+        ),
         segments: max_segments.or_note("max-segments", usual.segments, &mut misfits),
         cycles: max_cycles.or_note("max-cycles", usual.cycles, &mut misfits),
         pvt_points: max_pvt_points.or_note("max-pvt-points", usual.pvt_points, &mut misfits),

@@ -119,3 +119,50 @@ fn logs_for_programs_are_a_document_a_line() {
     process.wait().unwrap();
     assert!(line.starts_with('{') && line.contains("\"message\":\"serving\""), "{line:?}");
 }
+
+/// The socket is there for as long as its process, for its owner and his group; one that was left behind is replaced, and what
+/// is none of ours is left alone.
+#[test]
+fn a_socket_is_taken_and_given_back() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = std::env::temp_dir().join(format!("portamento-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("server.sock");
+    let listen = format!("unix:{}", path.display());
+    let start = || {
+        let mut process = server(&["--listen", &listen]).spawn().unwrap();
+        let mut log = BufReader::new(process.stderr.take().unwrap());
+        let mut line = String::new();
+        log.read_line(&mut line).unwrap();
+        assert!(line.contains(&format!("serving address={listen}")), "{line:?}");
+        (process, log)
+    };
+    let asked = || server(&["--listen", &listen, "healthcheck"]).output().unwrap().status.code();
+    let (mut first, _log) = start();
+    assert_eq!(asked(), Some(0));
+    assert_eq!(std::fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o660);
+    // Somebody listens: he keeps it.
+    let second = server(&["--listen", &listen]).output().unwrap();
+    let said = String::from_utf8(second.stderr).unwrap();
+    assert_eq!(second.status.code(), Some(1), "{said}");
+    assert!(said.contains("another process listens there"), "{said}");
+    assert_eq!(asked(), Some(0));
+    // Killed, it leaves its socket behind, and the next takes the place.
+    first.kill().unwrap();
+    first.wait().unwrap();
+    assert!(path.exists());
+    assert_eq!(asked(), Some(1));
+    let (mut third, _log) = start();
+    assert_eq!(asked(), Some(0));
+    // Told to stop, it takes its socket with it.
+    let told = Command::new("kill").args(["-TERM", &third.id().to_string()]).status().unwrap();
+    assert!(told.success() && third.wait().unwrap().success());
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
+    // What is no socket is not ours to remove.
+    std::fs::write(&path, "mine").unwrap();
+    let refused = server(&["--listen", &listen]).output().unwrap();
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert!(refused.status.code() == Some(1) && said.contains("no socket"), "{said}");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
+    std::fs::remove_dir_all(&folder).unwrap();
+}

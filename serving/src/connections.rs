@@ -5,16 +5,17 @@ use std::task::{Context, Poll, ready};
 use std::time::Duration;
 
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
-use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::{Instant, Sleep};
 use tokio_stream::Stream;
 use tonic::transport::server::{Connected, TcpConnectInfo};
 
+use crate::listener::{Listener, Socket};
+
 /// Connections as they come, up to a number: more are closed at once, so that those that are there keep what they have.
 #[derive(Debug)]
 pub(crate) struct Connections {
-    listener: TcpListener,
+    listener: Listener,
     room: Arc<Semaphore>,
     patience: Duration,
     refused: metrics::Counter,
@@ -22,7 +23,7 @@ pub(crate) struct Connections {
 
 impl Connections {
     /// At most `most` at a time. Who says nothing for `patience` after it has connected is left.
-    pub(crate) fn of(listener: TcpListener, most: usize, patience: Duration) -> Self {
+    pub(crate) fn of(listener: Listener, most: usize, patience: Duration) -> Self {
         let room = Arc::new(Semaphore::new(most.min(Semaphore::MAX_PERMITS)));
         let refused = metrics::counter!("motion_connections_refused_total");
         Self { listener, room, patience, refused }
@@ -35,15 +36,14 @@ impl Stream for Connections {
     fn poll_next(self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<Option<Self::Item>> {
         loop {
             let socket = match ready!(self.listener.poll_accept(cx)) {
-                Ok((socket, _)) => socket,
+                Ok(socket) => socket,
                 Err(error) => return Poll::Ready(Some(Err(error))),
             };
             let Ok(place) = Arc::clone(&self.room).try_acquire_owned() else {
                 self.refused.increment(1);
                 continue;
             };
-            // A setpoint is not to wait for the next one.
-            if let Err(error) = socket.set_nodelay(true) {
+            if let Err(error) = socket.set_nodelay() {
                 tracing::debug!(%error, "a connection keeps its delay");
             }
             #[expect(
@@ -59,7 +59,7 @@ impl Stream for Connections {
 /// A connection that has to say something soon, and keeps its place as long as it is there.
 #[derive(Debug)]
 pub(crate) struct Connection {
-    socket: TcpStream,
+    socket: Socket,
     /// When it is left; `None` once it has said enough.
     left: Option<Pin<Box<Sleep>>>,
     /// How much it has said \[bytes\].

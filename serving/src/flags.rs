@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use std::net::SocketAddr;
 
+use crate::address::Address;
 use crate::given::{Given, List, Seconds};
 use crate::policy::Policy;
 use crate::settings::{Misfits, Settings};
@@ -117,7 +118,7 @@ impl Flags {
     /// [`Settings::misfits`] will say.
     pub fn settings(
         self,
-        listen: Given<SocketAddr>,
+        listen: Given<Address>,
         http: Option<Given<SocketAddr>>,
         misfits: &mut Misfits,
     ) -> Settings {
@@ -137,13 +138,9 @@ impl Flags {
             Policy::read(path).map_err(|error| misfits.note("policy", format!("is none: {error}"))).ok()
         });
         let insecure = self.insecure.or_note("insecure", false, misfits);
-        let mut address = |given: Given<SocketAddr>, setting| {
-            let before = misfits.as_slice().len();
-            let address = given.or_note(setting, usual.listen, misfits);
-            if misfits.as_slice().len() == before { address } else { usual.listen }
-        };
-        let listen = address(listen, "listen");
-        let http = http.map(|http| address(http, "http"));
+        let listen = listen.or_note("listen", usual.listen.clone(), misfits);
+        let nowhere = SocketAddr::from(([127, 0, 0, 1], 0));
+        let http = http.map(|http| http.or_note("http", nowhere, misfits));
         Settings {
             listen,
             http,

@@ -16,6 +16,7 @@
 //! - `side_port`: health for probes, figures for Prometheus, and pages for people
 //! - `leaving`: the order in which a process goes
 
+mod address;
 mod admission;
 mod caller;
 mod connections;
@@ -26,6 +27,7 @@ mod flags;
 mod frame;
 mod given;
 mod leaving;
+mod listener;
 mod logs;
 mod policy;
 mod process;
@@ -37,6 +39,7 @@ mod telemetry;
 mod tls;
 mod told;
 
+pub use address::{Address, InvalidAddress};
 /// What pages on the side port are made of.
 pub use axum;
 pub use caller::Caller;

@@ -10,6 +10,7 @@ use tonic_health::pb::HealthCheckRequest;
 use tonic_health::pb::health_check_response::ServingStatus;
 use tonic_health::pb::health_client::HealthClient;
 
+use crate::address::Address;
 use crate::flags::Flags;
 use crate::{Misfits, ServeError, Settings, file, logs};
 
@@ -147,15 +148,19 @@ pub fn seconds(given: f64) -> Result<Duration, String> {
 /// # Errors
 /// Where it does not, or does not answer.
 pub async fn healthcheck(settings: &Settings, service: &str) -> Result<(), Exit> {
-    let listen = settings.http.unwrap_or(settings.listen);
+    let listen = settings.http.map_or_else(|| settings.listen.clone(), Address::from);
     if settings.http.is_none() && settings.tls.is_some() {
         let text = "health is asked without a certificate: give --http, and it is asked there";
         return Err(Exit::failure(text));
     }
-    let here = SocketAddr::from((Ipv4Addr::LOCALHOST, listen.port()));
-    let address = if listen.ip().is_unspecified() { here } else { listen };
+    let address = match listen {
+        Address::Tcp(listen) if listen.ip().is_unspecified() => {
+            SocketAddr::from((Ipv4Addr::LOCALHOST, listen.port())).into()
+        }
+        listen => listen,
+    };
     let asked = async {
-        let endpoint = tonic::transport::Endpoint::from_shared(format!("http://{address}"));
+        let endpoint = tonic::transport::Endpoint::from_shared(address.endpoint());
         let channel = endpoint.map_err(|e| e.to_string())?.connect().await.map_err(|e| e.to_string())?;
         let request = HealthCheckRequest { service: service.to_owned() };
         let answer = HealthClient::new(channel).check(request).await.map_err(|e| e.to_string())?;

@@ -5,7 +5,6 @@ use std::net::SocketAddr;
 use axum::Router;
 use prost::Message as _;
 use prost_types::FileDescriptorSet;
-use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
 use tonic::body::Body;
 use tonic::codegen::{Service, http};
@@ -14,10 +13,12 @@ use tonic::service::{Routes, RoutesBuilder};
 use tonic_health::ServingStatus;
 use tonic_health::server::HealthReporter;
 
+use crate::address::Address;
 use crate::connections::Connections;
 use crate::frame::{frame, transport};
 
 use crate::leaving::{FAREWELL, Leaving};
+use crate::listener::Listener;
 use crate::settings::{Misfits, Settings};
 use crate::side_port::{SidePort, router};
 use crate::telemetry;
@@ -26,8 +27,8 @@ use crate::telemetry;
 #[derive(Debug)]
 pub struct Bound {
     settings: Settings,
-    listener: TcpListener,
-    address: SocketAddr,
+    listener: Listener,
+    address: Address,
     side_port: Option<SidePort>,
 }
 
@@ -51,7 +52,7 @@ pub enum ServeError {
         /// Which of the ports.
         setting: &'static str,
         /// The address.
-        address: SocketAddr,
+        address: Address,
         /// What the system says.
         cause: std::io::Error,
     },
@@ -154,15 +155,19 @@ impl Bound {
     /// Settings that cannot be, and a port that is taken.
     pub async fn to(settings: Settings) -> Result<Self, ServeError> {
         let settings = settings.misfits().into_result(settings)?;
-        let address = settings.listen;
-        let bind_error = |cause| ServeError::Bind { setting: "listen", address, cause };
-        let listener = TcpListener::bind(address).await.map_err(bind_error)?;
-        let address = listener.local_addr().map_err(bind_error)?;
+        let bind_error =
+            |cause| ServeError::Bind { setting: "listen", address: settings.listen.clone(), cause };
+        let listener = Listener::at(&settings.listen).await.map_err(bind_error)?;
+        let address = listener.address().map_err(bind_error)?;
         let side_port = match settings.http {
             None => None,
             Some(address) => {
                 let taken = SidePort::to(address).await;
-                Some(taken.map_err(|cause| ServeError::Bind { setting: "http", address, cause })?)
+                Some(taken.map_err(|cause| ServeError::Bind {
+                    setting: "http",
+                    address: address.into(),
+                    cause,
+                })?)
             }
         };
         telemetry::keep();
@@ -177,8 +182,8 @@ impl Bound {
 
     /// Where the process listens.
     #[must_use]
-    pub fn address(&self) -> SocketAddr {
-        self.address
+    pub fn address(&self) -> &Address {
+        &self.address
     }
 
     /// Serves until `stop` completes; then says so, lets work end, and leaves at the drain deadline whatever is still going

@@ -5,14 +5,15 @@ use std::time::Duration;
 
 use tonic::codegen::http::HeaderValue;
 
+use crate::address::Address;
 use crate::policy::Policy;
 use crate::tls::Tls;
 
 /// What can be set in every serving process.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Where to listen; port 0 takes any free one.
-    pub listen: SocketAddr,
+    /// Where to listen: at a port, of which 0 takes any free one, or at a Unix socket.
+    pub listen: Address,
     /// Where the side port listens, for probes, figures and pages; `None`: nowhere. It is not encrypted.
     pub http: Option<SocketAddr>,
     /// Serve other machines without encryption?
@@ -56,7 +57,7 @@ impl Settings {
     #[must_use]
     pub fn on_port(port: u16) -> Self {
         Self {
-            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, port)),
+            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, port)).into(),
             http: None,
             insecure: false,
             tls: None,
@@ -86,10 +87,10 @@ impl Settings {
     #[must_use]
     pub fn misfits(&self) -> Misfits {
         let mut misfits = Misfits::default();
-        let plain = [("listen", Some(self.listen).filter(|_| self.tls.is_none())), ("http", self.http)];
+        let listen = Some(self.listen.clone()).filter(|_| self.tls.is_none());
+        let plain = [("listen", listen), ("http", self.http.map(Address::from))];
         for (setting, address) in plain {
-            let Some(address) = address.filter(|address| !self.insecure && !address.ip().is_loopback())
-            else {
+            let Some(address) = address.filter(|address| !self.insecure && !address.is_local()) else {
                 continue;
             };
             let way_out = match setting {
@@ -219,9 +220,13 @@ mod tests {
     #[test]
     fn everything_that_cannot_be_is_said_at_once() {
         assert_eq!(Settings::on_port(0).misfits(), Misfits::default());
-        let listen = SocketAddr::from((Ipv4Addr::UNSPECIFIED, 50051));
-        let wrong =
-            Settings { listen, max_message_bytes: 0, connection_window_bytes: 0, ..Settings::on_port(0) };
+        let listen = Address::from(SocketAddr::from((Ipv4Addr::UNSPECIFIED, 50051)));
+        let wrong = Settings {
+            listen: listen.clone(),
+            max_message_bytes: 0,
+            connection_window_bytes: 0,
+            ..Settings::on_port(0)
+        };
         assert_eq!(
             wrong.misfits().to_string(),
             "listen is 0.0.0.0:50051, which other machines reach, and there is no encryption: listen on 127.0.0.1, give \
@@ -231,5 +236,8 @@ mod tests {
         );
         let allowed = Settings { listen, insecure: true, ..Settings::on_port(0) };
         assert_eq!(allowed.misfits().into_result(7), Ok(7));
+        // Nobody reaches a Unix socket from elsewhere.
+        let listen = Address::Unix("/run/portamento.sock".into());
+        assert_eq!(Settings { listen, ..Settings::on_port(0) }.misfits(), Misfits::default());
     }
 }

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use client::Connect;
-use serving::{Arguments, Flags, Given, Misfits, told_to_stop};
+use serving::{Address, Arguments, Flags, Given, Misfits, told_to_stop};
 use sim_axis::{Config, Models, SimAxis};
 
 /// Simulates servo axes that follow streams of setpoints, and tells how well they did, over gRPC.
@@ -21,14 +21,15 @@ use sim_axis::{Config, Models, SimAxis};
                   portamento-sim-axis --config deploy/config/sim-axis.toml"
 )]
 struct Args {
-    /// Where to listen; port 0 takes any free one.
+    /// Where to listen: a port, of which 0 takes any free one, or unix:/PATH, a socket that processes of this user and
+    /// group reach (mode 0660), without --insecure; one that nobody listens at is replaced, and it is removed at the end.
     #[arg(
         long,
         env = "PORTAMENTO_SIM_AXIS_LISTEN",
         default_value = "127.0.0.1:50052",
-        value_name = "ADDRESS:PORT"
+        value_name = "ADDRESS"
     )]
-    listen: Given<SocketAddr>,
+    listen: Given<Address>,
     /// Where to serve HTTP beside gRPC: /healthz, /readyz, /metrics, and pages for people; nowhere by default.
     #[arg(long, env = "PORTAMENTO_SIM_AXIS_HTTP", value_name = "ADDRESS:PORT")]
     http: Option<Given<SocketAddr>>,

@@ -1,6 +1,6 @@
 use std::net::SocketAddr;
 
-use serving::{Bound, Leaving, ServeError, Services};
+use serving::{Address, Bound, Leaving, ServeError, Services};
 
 use crate::config::Config;
 use crate::rpc;
@@ -25,7 +25,7 @@ impl SimAxis {
 
     /// Where the simulator listens.
     #[must_use]
-    pub fn address(&self) -> SocketAddr {
+    pub fn address(&self) -> &Address {
         self.bound.address()
     }
 

@@ -219,6 +219,31 @@ fn of_plans() -> Vec<Row> {
     rows
 }
 
+/// All of them in one message: each has its own refusal, and what stands between them is planned.
+#[tokio::test]
+async fn many_at_once_have_their_reasons_and_paths() {
+    let server = Loopback::start().await;
+    let rows = of_moves();
+    let requests = rows.iter().flat_map(|row| match &row.ask {
+        Ask::Plan(request) => [request.clone(), moves()],
+        Ask::Pvt(_) | Ask::Verify(_) => panic!("not a move"),
+    });
+    let message = pb::PlanManyRequest { requests: requests.collect(), ..Default::default() };
+    let mut planner = server.planner().await;
+    let answers = planner.plan_many(tokio_stream::iter([message])).await.unwrap();
+    let outcomes = answers.into_inner().message().await.unwrap().unwrap().outcomes;
+    assert_eq!(outcomes.len(), 2 * rows.len());
+    for (Row { reason, path, .. }, pair) in rows.iter().zip(outcomes.chunks(2)) {
+        let Some(pb::plan_outcome::Outcome::Refusal(status)) = &pair[0].outcome else {
+            panic!("{path} {reason}")
+        };
+        let rejected = Rejected::from_bytes(status).unwrap();
+        let is_there = rejected.fields.iter().any(|field| field.field == *path && field.reason == *reason);
+        assert!(is_there, "{path} {reason}: {rejected}");
+        assert!(matches!(pair[1].outcome, Some(pb::plan_outcome::Outcome::Plan(_))), "after {path} {reason}");
+    }
+}
+
 #[tokio::test]
 async fn every_field_has_its_reason_and_path() {
     let server = Loopback::start().await;

@@ -9,6 +9,7 @@
 
 mod certificates;
 mod network;
+mod process;
 mod rig;
 
 use std::net::SocketAddr;
@@ -20,11 +21,12 @@ use planner::{
     Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, ShortPathPolicy, State,
     Synchronization,
 };
+pub use process::{Process, cpu};
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::{Open, Source};
 pub use rig::{Answer, Delays, Rig, difference, replay};
-use server::{Config, Server};
+use server::{Address, Config, Server};
 use sim_axis::SimAxis;
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
@@ -33,7 +35,7 @@ use tonic::transport::{Channel, Endpoint};
 /// A real server behind real gRPC, on this machine alone.
 #[derive(Debug)]
 pub struct Loopback {
-    address: SocketAddr,
+    address: Address,
     http: Option<SocketAddr>,
     stop: Option<oneshot::Sender<()>>,
     serving: JoinHandle<()>,
@@ -48,7 +50,7 @@ impl Loopback {
     /// A server with these settings.
     pub async fn with(config: Config) -> Self {
         let server = Server::bind(config).await.expect("a free port");
-        let (address, http) = (server.address(), server.http_address());
+        let (address, http) = (server.address().clone(), server.http_address());
         let (stop, stopped) = oneshot::channel();
         let serving = tokio::spawn(async move {
             let stop = async {
@@ -63,13 +65,13 @@ impl Loopback {
     /// Where it is, for those who come with encryption; certificates name this machine as `localhost`.
     #[must_use]
     pub fn secure_endpoint(&self) -> String {
-        format!("https://localhost:{}", self.address.port())
+        format!("https://localhost:{}", self.address.port().expect("a port"))
     }
 
     /// Where it is.
     #[must_use]
     pub fn endpoint(&self) -> String {
-        format!("http://{}", self.address)
+        self.address.endpoint()
     }
 
     /// A page of its side port.
@@ -114,7 +116,7 @@ impl Loopback {
 /// A real axis simulator behind real gRPC, on this machine alone.
 #[derive(Debug)]
 pub struct LoopbackAxis {
-    address: SocketAddr,
+    address: Address,
     http: Option<SocketAddr>,
     stop: Option<oneshot::Sender<()>>,
     serving: JoinHandle<()>,
@@ -129,7 +131,7 @@ impl LoopbackAxis {
     /// A simulator with these settings.
     pub async fn with(config: sim_axis::Config) -> Self {
         let axis = SimAxis::bind(config).await.expect("a free port");
-        let (address, http) = (axis.address(), axis.http_address());
+        let (address, http) = (axis.address().clone(), axis.http_address());
         let (stop, stopped) = oneshot::channel();
         let serving = tokio::spawn(async move {
             let stop = async {
@@ -144,13 +146,13 @@ impl LoopbackAxis {
     /// Where it is, for those who come with encryption; certificates name this machine as `localhost`.
     #[must_use]
     pub fn secure_endpoint(&self) -> String {
-        format!("https://localhost:{}", self.address.port())
+        format!("https://localhost:{}", self.address.port().expect("a port"))
     }
 
     /// Where it is.
     #[must_use]
     pub fn endpoint(&self) -> String {
-        format!("http://{}", self.address)
+        self.address.endpoint()
     }
 
     /// A page of its side port.

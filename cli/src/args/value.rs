@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 /// The address of a server, as far as it can be told without asking there.
 pub(super) fn endpoint(text: &str) -> Result<String, String> {
-    let wanted = "give http://HOST:PORT or https://HOST:PORT, as http://127.0.0.1:50051";
+    let wanted = "give http://HOST:PORT or https://HOST:PORT, as http://127.0.0.1:50051, or unix:/PATH";
+    if text.strip_prefix("unix:/").is_some_and(|path| !path.is_empty() && !path.starts_with('/')) {
+        return Ok(text.to_owned());
+    }
     let authority = text.strip_prefix("http://").or_else(|| text.strip_prefix("https://")).ok_or(wanted)?;
     let authority = authority.strip_suffix('/').unwrap_or(authority);
     let (host, port) = match authority.rsplit_once(':') {
@@ -68,7 +71,13 @@ mod tests {
 
     #[test]
     fn endpoints_are_addresses() {
-        let good = ["http://127.0.0.1:50051", "http://cell-7.local:80/", "http://[::1]:50051", "http://host"];
+        let good = [
+            "http://127.0.0.1:50051",
+            "http://cell-7.local:80/",
+            "http://[::1]:50051",
+            "http://host",
+            "unix:/run/p.sock",
+        ];
         for text in good {
             assert_eq!(endpoint(text), Ok(text.to_owned()));
         }

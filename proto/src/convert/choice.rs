@@ -4,8 +4,8 @@ use planner::{
     AxisKind, Family, PvtInterpolation, PvtPolicy, Quantity, ShortPathPolicy, Synchronization, Why,
 };
 
-use crate::pb;
 use crate::stream::{Phase, StreamEventKind};
+use crate::{Detail, pb};
 
 /// Both directions of one enum. `unset` is what zero stands for, or nothing where a choice has to be made.
 macro_rules! choice {
@@ -65,6 +65,9 @@ choice!(quantity_from_wire, quantity_to_wire, Quantity, pb::Quantity, unset: Non
     "POSITION, VELOCITY, ACCELERATION, JERK, SNAP, CRACKLE, POP, LOCK, DROP, TIME",
     { Position = Position, Velocity = Velocity, Acceleration = Acceleration, Jerk = Jerk, Snap = Snap,
       Crackle = Crackle, Pop = Pop, Lock = Lock, Drop = Drop, Time = Time });
+
+choice!(detail_from_wire, detail_to_wire, Detail, pb::PlanDetail, unset: Some(Detail::Full),
+    "FULL, MOTION", { Full = Full, Motion = Motion });
 
 choice!(phase_from_wire, phase_to_wire, Phase, pb::Phase, unset: None,
     "MOVING, HOLDING, STOPPING, STANDSTILL, FINISHED",

@@ -26,6 +26,13 @@ pub fn plan_to_wire(judged: &Judged) -> pb::Plan {
     plan_to_wire_by(judged, &Alone)
 }
 
+/// The same without what follows from the rest: no fingerprint, no explanation, and of the certificate whether it passed.
+pub(super) fn plan_unexplained(judged: &Judged) -> pb::Plan {
+    let passed = judged.certificate().passed();
+    let certificate = Some(pb::PlanCertificate { passed, ..pb::PlanCertificate::default() });
+    pb::Plan { certificate, ..to_wire(judged.plan(), &Alone) }
+}
+
 pub(super) fn plan_to_wire_by(judged: &Judged, workers: &impl Workers) -> pb::Plan {
     let mut wire = to_wire(judged.plan(), workers);
     wire.certificate = Some(judged.certificate().into());

@@ -163,6 +163,77 @@ impl ::prost::Name for PlanResponse {
         "/motion.v1.PlanResponse".into()
     }
 }
+/// Asks for many moves. They have nothing to do with each other; axes of different requests may have
+/// the same name.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct PlanManyRequest {
+    /// The moves, at most as many as the server takes (its max_plans_per_message). None: answered with
+    /// no outcome.
+    #[prost(message, repeated, tag = "1")]
+    pub requests: ::prost::alloc::vec::Vec<PlanRequest>,
+    /// How much is wanted of each plan. Unset: FULL.
+    #[prost(enumeration = "PlanDetail", tag = "2")]
+    pub detail: i32,
+}
+impl ::prost::Name for PlanManyRequest {
+    const NAME: &'static str = "PlanManyRequest";
+    const PACKAGE: &'static str = "motion.v1";
+    fn full_name() -> ::prost::alloc::string::String {
+        "motion.v1.PlanManyRequest".into()
+    }
+    fn type_url() -> ::prost::alloc::string::String {
+        "/motion.v1.PlanManyRequest".into()
+    }
+}
+/// The answer to one message of PlanMany.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct PlanManyResponse {
+    /// What became of each request, in their order and as many.
+    #[prost(message, repeated, tag = "1")]
+    pub outcomes: ::prost::alloc::vec::Vec<PlanOutcome>,
+}
+impl ::prost::Name for PlanManyResponse {
+    const NAME: &'static str = "PlanManyResponse";
+    const PACKAGE: &'static str = "motion.v1";
+    fn full_name() -> ::prost::alloc::string::String {
+        "motion.v1.PlanManyResponse".into()
+    }
+    fn type_url() -> ::prost::alloc::string::String {
+        "/motion.v1.PlanManyResponse".into()
+    }
+}
+/// What became of one request of many.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct PlanOutcome {
+    /// One of them.
+    #[prost(oneof = "plan_outcome::Outcome", tags = "1, 2")]
+    pub outcome: ::core::option::Option<plan_outcome::Outcome>,
+}
+/// Nested message and enum types in `PlanOutcome`.
+pub mod plan_outcome {
+    /// One of them.
+    #[derive(Clone, PartialEq, ::prost::Oneof)]
+    pub enum Outcome {
+        /// The planned move.
+        #[prost(message, tag = "1")]
+        Plan(super::Plan),
+        /// Why there is none: a google.rpc.Status, serialised as in the trailer grpc-status-details-bin,
+        /// with the details that Plan refuses with and nothing shortened. Paths of fields begin in the
+        /// request itself, as in axes\[2\].limits.max_jerk.
+        #[prost(bytes, tag = "2")]
+        Refusal(::prost::alloc::vec::Vec<u8>),
+    }
+}
+impl ::prost::Name for PlanOutcome {
+    const NAME: &'static str = "PlanOutcome";
+    const PACKAGE: &'static str = "motion.v1";
+    fn full_name() -> ::prost::alloc::string::String {
+        "motion.v1.PlanOutcome".into()
+    }
+    fn type_url() -> ::prost::alloc::string::String {
+        "/motion.v1.PlanOutcome".into()
+    }
+}
 /// The motion of one axis.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct AxisPlan {
@@ -1000,6 +1071,40 @@ impl Synchronization {
         }
     }
 }
+/// How much is told of a plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
+#[repr(i32)]
+pub enum PlanDetail {
+    /// FULL.
+    Unspecified = 0,
+    /// All of it: the plan has the bytes of that which Plan answers with.
+    Full = 1,
+    /// What nobody can work out from the rest: no fingerprint, no explanation, and of the certificate
+    /// passed alone. The judge has judged the same, and every service takes such a plan.
+    Motion = 2,
+}
+impl PlanDetail {
+    /// String value of the enum field names used in the ProtoBuf definition.
+    ///
+    /// The values are not transformed in any way and thus are considered stable
+    /// (if the ProtoBuf definition does not change) and safe for programmatic use.
+    pub fn as_str_name(&self) -> &'static str {
+        match self {
+            Self::Unspecified => "PLAN_DETAIL_UNSPECIFIED",
+            Self::Full => "PLAN_DETAIL_FULL",
+            Self::Motion => "PLAN_DETAIL_MOTION",
+        }
+    }
+    /// Creates an enum from field names used in the ProtoBuf definition.
+    pub fn from_str_name(value: &str) -> ::core::option::Option<Self> {
+        match value {
+            "PLAN_DETAIL_UNSPECIFIED" => Some(Self::Unspecified),
+            "PLAN_DETAIL_FULL" => Some(Self::Full),
+            "PLAN_DETAIL_MOTION" => Some(Self::Motion),
+            _ => None,
+        }
+    }
+}
 /// How the motion goes from one point to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ::prost::Enumeration)]
 #[repr(i32)]
@@ -1197,6 +1302,37 @@ pub mod planner_service_client {
                 .insert(GrpcMethod::new("motion.v1.PlannerService", "Plan"));
             self.inner.unary(req, path, codec).await
         }
+        /// Plans many moves: a message of requests is answered by one message with an outcome for each, in
+        /// their order, and messages in the order in which they came. Each is planned as Plan does it, and
+        /// what is refused is refused in its place and disturbs no other. Who does not read answers is not
+        /// read from for long, so write and read at the same time. The stream ends when its caller has
+        /// closed his side and all is answered; early with TOO_MANY_PLANS, MESSAGE_TOO_LARGE (of an answer,
+        /// too), KIND_UNSPECIFIED of a detail that is not known, OVERLOADED, STREAM_IDLE, and DRAINING once
+        /// the server leaves: what was answered before holds, and the rest may be asked elsewhere.
+        pub async fn plan_many(
+            &mut self,
+            request: impl tonic::IntoStreamingRequest<Message = super::PlanManyRequest>,
+        ) -> std::result::Result<
+            tonic::Response<tonic::codec::Streaming<super::PlanManyResponse>>,
+            tonic::Status,
+        > {
+            self.inner
+                .ready()
+                .await
+                .map_err(|e| {
+                    tonic::Status::unknown(
+                        format!("Service was not ready: {}", e.into()),
+                    )
+                })?;
+            let codec = tonic_prost::ProstCodec::default();
+            let path = http::uri::PathAndQuery::from_static(
+                "/motion.v1.PlannerService/PlanMany",
+            );
+            let mut req = request.into_streaming_request();
+            req.extensions_mut()
+                .insert(GrpcMethod::new("motion.v1.PlannerService", "PlanMany"));
+            self.inner.streaming(req, path, codec).await
+        }
         /// Plans a motion through points given as position, velocity and time.
         pub async fn plan_pvt(
             &mut self,
@@ -1292,6 +1428,23 @@ pub mod planner_service_server {
             &self,
             request: tonic::Request<super::PlanRequest>,
         ) -> std::result::Result<tonic::Response<super::PlanResponse>, tonic::Status>;
+        /// Server streaming response type for the PlanMany method.
+        type PlanManyStream: tonic::codegen::tokio_stream::Stream<
+                Item = std::result::Result<super::PlanManyResponse, tonic::Status>,
+            >
+            + std::marker::Send
+            + 'static;
+        /// Plans many moves: a message of requests is answered by one message with an outcome for each, in
+        /// their order, and messages in the order in which they came. Each is planned as Plan does it, and
+        /// what is refused is refused in its place and disturbs no other. Who does not read answers is not
+        /// read from for long, so write and read at the same time. The stream ends when its caller has
+        /// closed his side and all is answered; early with TOO_MANY_PLANS, MESSAGE_TOO_LARGE (of an answer,
+        /// too), KIND_UNSPECIFIED of a detail that is not known, OVERLOADED, STREAM_IDLE, and DRAINING once
+        /// the server leaves: what was answered before holds, and the rest may be asked elsewhere.
+        async fn plan_many(
+            &self,
+            request: tonic::Request<tonic::Streaming<super::PlanManyRequest>>,
+        ) -> std::result::Result<tonic::Response<Self::PlanManyStream>, tonic::Status>;
         /// Plans a motion through points given as position, velocity and time.
         async fn plan_pvt(
             &self,
@@ -1435,6 +1588,54 @@ pub mod planner_service_server {
                                 max_encoding_message_size,
                             );
                         let res = grpc.unary(method, req).await;
+                        Ok(res)
+                    };
+                    Box::pin(fut)
+                }
+                "/motion.v1.PlannerService/PlanMany" => {
+                    #[allow(non_camel_case_types)]
+                    struct PlanManySvc<T: PlannerService>(pub Arc<T>);
+                    impl<
+                        T: PlannerService,
+                    > tonic::server::StreamingService<super::PlanManyRequest>
+                    for PlanManySvc<T> {
+                        type Response = super::PlanManyResponse;
+                        type ResponseStream = T::PlanManyStream;
+                        type Future = BoxFuture<
+                            tonic::Response<Self::ResponseStream>,
+                            tonic::Status,
+                        >;
+                        fn call(
+                            &mut self,
+                            request: tonic::Request<
+                                tonic::Streaming<super::PlanManyRequest>,
+                            >,
+                        ) -> Self::Future {
+                            let inner = Arc::clone(&self.0);
+                            let fut = async move {
+                                <T as PlannerService>::plan_many(&inner, request).await
+                            };
+                            Box::pin(fut)
+                        }
+                    }
+                    let accept_compression_encodings = self.accept_compression_encodings;
+                    let send_compression_encodings = self.send_compression_encodings;
+                    let max_decoding_message_size = self.max_decoding_message_size;
+                    let max_encoding_message_size = self.max_encoding_message_size;
+                    let inner = self.inner.clone();
+                    let fut = async move {
+                        let method = PlanManySvc(inner);
+                        let codec = tonic_prost::ProstCodec::default();
+                        let mut grpc = tonic::server::Grpc::new(codec)
+                            .apply_compression_config(
+                                accept_compression_encodings,
+                                send_compression_encodings,
+                            )
+                            .apply_max_message_size_config(
+                                max_decoding_message_size,
+                                max_encoding_message_size,
+                            );
+                        let res = grpc.streaming(method, req).await;
                         Ok(res)
                     };
                     Box::pin(fut)

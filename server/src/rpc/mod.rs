@@ -1,5 +1,6 @@
 //! The services. A handler translates, calls one function of the core, and translates back.
 
+mod plan_many;
 mod plan_pvt;
 mod planner;
 mod sample;
@@ -14,6 +15,14 @@ use std::time::Duration;
 use proto::{Reason, Rejected};
 use tokio::sync::Semaphore;
 use tonic::Status;
+
+/// Why a stream gives no further message: what the layers around it say, or that its bytes are none.
+pub(crate) fn unreadable(status: &Status) -> Rejected {
+    Rejected::from_status(status).unwrap_or_else(|| {
+        let text = format!("the message cannot be read: {}; compare with the schema", status.message());
+        Rejected::new(Reason::MessageInvalid, text)
+    })
+}
 
 /// Where work is done that takes long, and nobody waits for it: the streams of this process go on.
 #[derive(Clone, Debug)]

@@ -3,9 +3,11 @@ use std::time::Instant;
 use ::planner::{Judged, certify, certify_against};
 use proto::pb::planner_service_server::PlannerService;
 use proto::{Rejected, pb, plan_as_it_is_in, plan_request_from_wire, plan_to_wire, within};
+use serving::{Leaving, Refusals};
 use tokio_stream::wrappers::ReceiverStream;
-use tonic::{Request, Response, Status};
+use tonic::{Request, Response, Status, Streaming};
 
+use super::plan_many::Many;
 use super::{Aside, plan_pvt, sample};
 use crate::figures::Figures;
 use crate::limits::Limits;
@@ -16,20 +18,32 @@ pub(crate) struct Planner {
     limits: Limits,
     figures: Figures,
     aside: Aside,
+    many: Many,
 }
 
 impl Planner {
-    pub(crate) fn new(limits: Limits, figures: Figures) -> Self {
-        Self { limits, figures, aside: Aside::new() }
+    /// Answers of at most `most_bytes`, until the process leaves.
+    pub(crate) fn new(limits: Limits, most_bytes: usize, figures: Figures, leaving: Leaving) -> Self {
+        let aside = Aside::new();
+        let many = Many {
+            limits,
+            most_bytes,
+            figures: figures.clone(),
+            refusals: Refusals::resolve(),
+            aside: aside.clone(),
+            leaving,
+        };
+        Self { limits, figures, aside, many }
     }
 }
 
-fn plan(wire: pb::PlanRequest, figures: &Figures) -> Result<pb::PlanResponse, Rejected> {
+/// The answer to one request, however it came.
+pub(super) fn judged(wire: pb::PlanRequest, figures: &Figures) -> Result<Judged, Rejected> {
     let request = plan_request_from_wire(wire)?;
     let begun = Instant::now();
     let judged = Judged::answer(&request)?;
     figures.planned(request.family(), begun.elapsed());
-    Ok(pb::PlanResponse { plan: Some(plan_to_wire(&judged)) })
+    Ok(judged)
 }
 
 /// A motion that fails the judge is answered with what he found, whatever else the plan says of itself: that is the
@@ -63,7 +77,18 @@ impl PlannerService for Planner {
     async fn plan(&self, request: Request<pb::PlanRequest>) -> Result<Response<pb::PlanResponse>, Status> {
         let wire = request.into_inner();
         self.limits.admit_axes("axes", wire.axes.len())?;
-        Ok(Response::new(plan(wire, &self.figures)?))
+        let judged = judged(wire, &self.figures)?;
+        Ok(Response::new(pb::PlanResponse { plan: Some(plan_to_wire(&judged)) }))
+    }
+
+    type PlanManyStream = ReceiverStream<Result<pb::PlanManyResponse, Status>>;
+
+    async fn plan_many(
+        &self,
+        request: Request<Streaming<pb::PlanManyRequest>>,
+    ) -> Result<Response<Self::PlanManyStream>, Status> {
+        let outcomes = self.many.clone().begin(request.into_inner());
+        Ok(Response::new(ReceiverStream::new(outcomes)))
     }
 
     async fn plan_pvt(

@@ -7,8 +7,7 @@
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in square brackets in help texts")]
 
 use std::error::Error;
-use std::io::{BufRead as _, BufReader};
-use std::process::{Child, Command, ExitCode, Stdio};
+use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -16,7 +15,7 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use client::failover::{Change, Feed, News};
 use client::{Buffer, Next, Revision, Servers, Standing, Uplink};
-use e2e::{move_of, open, planned};
+use e2e::{Process, cpu, move_of, open, planned};
 use planner::{Accepted, Setpoint};
 use proto::stream::{Motion, Open, Refused};
 use serde_json::{Value, json};
@@ -118,7 +117,7 @@ struct Tally {
 }
 
 fn run(args: &Args, axes: usize) -> Result<Value, Failed> {
-    let (mut first, second) = (Server::start("first")?, Server::start("second")?);
+    let (mut first, second) = (served_by("first")?, served_by("second")?);
     let endpoints = vec![first.endpoint.clone(), second.endpoint.clone()];
     let empty = resident_kib(first.child.id())?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
@@ -316,46 +315,8 @@ impl Axis {
     }
 }
 
-/// A server process, gone with its value.
-struct Server {
-    child: Child,
-    endpoint: String,
-}
-
-impl Server {
-    fn start(name: &str) -> Result<Self, Failed> {
-        let binary = std::env::current_exe()?.with_file_name("portamento-server");
-        let mut command = Command::new(&binary);
-        command.args(["--listen", "127.0.0.1:0", "--served-by", name]).env("RUST_LOG", "serving=info");
-        let spawned = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
-        let mut child = spawned.map_err(|error| {
-            format!("{} cannot be started: {error}; build it first, in the same profile", binary.display())
-        })?;
-        let lines = child.stderr.take().map(BufReader::new).map(BufReader::lines);
-        let mut lines = lines.into_iter().flatten().map_while(Result::ok);
-        let address = lines.find_map(|line| Some(line.split_once("serving address=")?.1.trim().to_owned()));
-        // Read on, or a full pipe would hold the server up.
-        std::thread::spawn(move || lines.for_each(drop));
-        let address = address.ok_or("the server does not serve")?;
-        Ok(Self { child, endpoint: format!("http://{address}") })
-    }
-}
-
-impl Drop for Server {
-    fn drop(&mut self) {
-        // It may be dead already.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-/// CPU time that a process has used [s]. Source: proc(5), fields 14 and 15 of `stat`, in ticks of 10 ms.
-fn cpu(process: u32) -> Result<f64, Failed> {
-    let stat = std::fs::read_to_string(format!("/proc/{process}/stat"))?;
-    let after_name = stat.rsplit_once(')').ok_or("stat has no name")?.1;
-    let ticks =
-        after_name.split_whitespace().skip(11).take(2).map(str::parse::<u64>).sum::<Result<u64, _>>()?;
-    Ok(ticks as f64 / 100.0)
+fn served_by(name: &str) -> Result<Process, Failed> {
+    Process::server(&["--served-by", name])
 }
 
 /// Memory that a process has in use [KiB].

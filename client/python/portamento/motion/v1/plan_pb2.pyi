@@ -54,6 +54,12 @@ class Synchronization(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     SYNCHRONIZATION_TIME: _ClassVar[Synchronization]
     SYNCHRONIZATION_PHASE: _ClassVar[Synchronization]
 
+class PlanDetail(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = ()
+    PLAN_DETAIL_UNSPECIFIED: _ClassVar[PlanDetail]
+    PLAN_DETAIL_FULL: _ClassVar[PlanDetail]
+    PLAN_DETAIL_MOTION: _ClassVar[PlanDetail]
+
 class PvtInterpolation(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = ()
     PVT_INTERPOLATION_UNSPECIFIED: _ClassVar[PvtInterpolation]
@@ -97,6 +103,9 @@ SYNCHRONIZATION_UNSPECIFIED: Synchronization
 SYNCHRONIZATION_NONE: Synchronization
 SYNCHRONIZATION_TIME: Synchronization
 SYNCHRONIZATION_PHASE: Synchronization
+PLAN_DETAIL_UNSPECIFIED: PlanDetail
+PLAN_DETAIL_FULL: PlanDetail
+PLAN_DETAIL_MOTION: PlanDetail
 PVT_INTERPOLATION_UNSPECIFIED: PvtInterpolation
 PVT_INTERPOLATION_S_SHAPED: PvtInterpolation
 PVT_INTERPOLATION_CUBIC: PvtInterpolation
@@ -180,6 +189,28 @@ class PlanResponse(_message.Message):
     PLAN_FIELD_NUMBER: _ClassVar[int]
     plan: Plan
     def __init__(self, plan: _Optional[_Union[Plan, _Mapping]] = ...) -> None: ...
+
+class PlanManyRequest(_message.Message):
+    __slots__ = ("requests", "detail")
+    REQUESTS_FIELD_NUMBER: _ClassVar[int]
+    DETAIL_FIELD_NUMBER: _ClassVar[int]
+    requests: _containers.RepeatedCompositeFieldContainer[PlanRequest]
+    detail: PlanDetail
+    def __init__(self, requests: _Optional[_Iterable[_Union[PlanRequest, _Mapping]]] = ..., detail: _Optional[_Union[PlanDetail, str]] = ...) -> None: ...
+
+class PlanManyResponse(_message.Message):
+    __slots__ = ("outcomes",)
+    OUTCOMES_FIELD_NUMBER: _ClassVar[int]
+    outcomes: _containers.RepeatedCompositeFieldContainer[PlanOutcome]
+    def __init__(self, outcomes: _Optional[_Iterable[_Union[PlanOutcome, _Mapping]]] = ...) -> None: ...
+
+class PlanOutcome(_message.Message):
+    __slots__ = ("plan", "refusal")
+    PLAN_FIELD_NUMBER: _ClassVar[int]
+    REFUSAL_FIELD_NUMBER: _ClassVar[int]
+    plan: Plan
+    refusal: bytes
+    def __init__(self, plan: _Optional[_Union[Plan, _Mapping]] = ..., refusal: _Optional[bytes] = ...) -> None: ...
 
 class AxisSegment(_message.Message):
     __slots__ = ("duration", "start", "jerk", "polynomial", "cosine_jerk")

@@ -41,6 +41,11 @@ class PlannerServiceStub:
                 request_serializer=motion_dot_v1_dot_plan__pb2.PlanRequest.SerializeToString,
                 response_deserializer=motion_dot_v1_dot_plan__pb2.PlanResponse.FromString,
                 _registered_method=True)
+        self.PlanMany = channel.stream_stream(
+                '/motion.v1.PlannerService/PlanMany',
+                request_serializer=motion_dot_v1_dot_plan__pb2.PlanManyRequest.SerializeToString,
+                response_deserializer=motion_dot_v1_dot_plan__pb2.PlanManyResponse.FromString,
+                _registered_method=True)
         self.PlanPvt = channel.unary_unary(
                 '/motion.v1.PlannerService/PlanPvt',
                 request_serializer=motion_dot_v1_dot_plan__pb2.PlanPvtRequest.SerializeToString,
@@ -65,6 +70,19 @@ class PlannerServiceServicer:
 
     def Plan(self, request, context):
         """Plans a move of one or more axes from their start states to their goal states.
+        """
+        context.set_code(grpc.StatusCode.UNIMPLEMENTED)
+        context.set_details('Method not implemented!')
+        raise NotImplementedError('Method not implemented!')
+
+    def PlanMany(self, request_iterator, context):
+        """Plans many moves: a message of requests is answered by one message with an outcome for each, in
+        their order, and messages in the order in which they came. Each is planned as Plan does it, and
+        what is refused is refused in its place and disturbs no other. Who does not read answers is not
+        read from for long, so write and read at the same time. The stream ends when its caller has
+        closed his side and all is answered; early with TOO_MANY_PLANS, MESSAGE_TOO_LARGE (of an answer,
+        too), KIND_UNSPECIFIED of a detail that is not known, OVERLOADED, STREAM_IDLE, and DRAINING once
+        the server leaves: what was answered before holds, and the rest may be asked elsewhere.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
@@ -98,6 +116,11 @@ def add_PlannerServiceServicer_to_server(servicer, server):
                     servicer.Plan,
                     request_deserializer=motion_dot_v1_dot_plan__pb2.PlanRequest.FromString,
                     response_serializer=motion_dot_v1_dot_plan__pb2.PlanResponse.SerializeToString,
+            ),
+            'PlanMany': grpc.stream_stream_rpc_method_handler(
+                    servicer.PlanMany,
+                    request_deserializer=motion_dot_v1_dot_plan__pb2.PlanManyRequest.FromString,
+                    response_serializer=motion_dot_v1_dot_plan__pb2.PlanManyResponse.SerializeToString,
             ),
             'PlanPvt': grpc.unary_unary_rpc_method_handler(
                     servicer.PlanPvt,
@@ -144,6 +167,33 @@ class PlannerService:
             '/motion.v1.PlannerService/Plan',
             motion_dot_v1_dot_plan__pb2.PlanRequest.SerializeToString,
             motion_dot_v1_dot_plan__pb2.PlanResponse.FromString,
+            options,
+            channel_credentials,
+            insecure,
+            call_credentials,
+            compression,
+            wait_for_ready,
+            timeout,
+            metadata,
+            _registered_method=True)
+
+    @staticmethod
+    def PlanMany(request_iterator,
+            target,
+            options=(),
+            channel_credentials=None,
+            call_credentials=None,
+            insecure=False,
+            compression=None,
+            wait_for_ready=None,
+            timeout=None,
+            metadata=None):
+        return grpc.experimental.stream_stream(
+            request_iterator,
+            target,
+            '/motion.v1.PlannerService/PlanMany',
+            motion_dot_v1_dot_plan__pb2.PlanManyRequest.SerializeToString,
+            motion_dot_v1_dot_plan__pb2.PlanManyResponse.FromString,
             options,
             channel_credentials,
             insecure,

@@ -1,0 +1,122 @@
+//! `PlanMany`: message after message of requests, each answered as a whole, in its turn.
+
+use prost::Message as _;
+use proto::{Detail, Reason, Rejected, outcome_to_wire, pb};
+use serving::{Leaving, Refusals};
+use tokio::sync::mpsc;
+use tonic::{Status, Streaming};
+
+use super::planner::judged;
+use super::{Aside, unreadable};
+use crate::figures::Figures;
+use crate::limits::Limits;
+
+/// Answers made ahead of a slow reader: one goes out while the next is made.
+const AHEAD: usize = 2;
+
+/// From this many axes on, a message takes longer to answer than the streams of this process may wait: about half a
+/// millisecond.
+const LONG: usize = 64;
+
+type Incoming = Streaming<pb::PlanManyRequest>;
+type Outgoing = mpsc::Sender<Result<pb::PlanManyResponse, Status>>;
+pub(super) type Outcomes = mpsc::Receiver<Result<pb::PlanManyResponse, Status>>;
+
+/// What planning many needs.
+#[derive(Clone, Debug)]
+pub(super) struct Many {
+    pub(super) limits: Limits,
+    /// The largest answer \[bytes\].
+    pub(super) most_bytes: usize,
+    pub(super) figures: Figures,
+    pub(super) refusals: Refusals,
+    pub(super) aside: Aside,
+    pub(super) leaving: Leaving,
+}
+
+impl Many {
+    /// Answers what comes in until it ends, in a task that the process waits for.
+    pub(super) fn begin(self, incoming: Incoming) -> Outcomes {
+        let (outgoing, outcomes) = mpsc::channel(AHEAD);
+        let leaving = self.leaving.clone();
+        leaving.spawn(self.serve(incoming, outgoing));
+        outcomes
+    }
+
+    async fn serve(self, mut incoming: Incoming, outgoing: Outgoing) {
+        loop {
+            let message = tokio::select! {
+                biased;
+                () = self.leaving.begun() => Err(draining()),
+                () = outgoing.closed() => return,
+                message = incoming.message() => message.map_err(|status| unreadable(&status)),
+            };
+            let answer = match message {
+                Ok(Some(message)) => self.answer(message, &outgoing).await,
+                Ok(None) => return,
+                Err(rejected) => Err(rejected.into()),
+            };
+            let is_over = answer.is_err();
+            if outgoing.send(answer).await.is_err() || is_over {
+                return;
+            }
+        }
+    }
+
+    async fn answer(
+        &self,
+        message: pb::PlanManyRequest,
+        outgoing: &Outgoing,
+    ) -> Result<pb::PlanManyResponse, Status> {
+        let pb::PlanManyRequest { requests, detail } = message;
+        self.limits.admit_plans(requests.len())?;
+        let detail = Detail::from_wire(detail).map_err(Rejected::from)?;
+        if requests.iter().map(|request| request.axes.len()).sum::<usize>() < LONG {
+            return Ok(self.outcomes(requests, detail, outgoing)?);
+        }
+        let (this, outgoing) = (self.clone(), outgoing.clone());
+        self.aside.run(move || this.outcomes(requests, detail, &outgoing)).await
+    }
+
+    /// Plans one after the other, for as long as there is somebody who waits for it and the answer may still be sent.
+    fn outcomes(
+        &self,
+        requests: Vec<pb::PlanRequest>,
+        detail: Detail,
+        outgoing: &Outgoing,
+    ) -> Result<pb::PlanManyResponse, Rejected> {
+        let mut outcomes = Vec::with_capacity(requests.len());
+        let mut bytes = 0;
+        for wire in requests {
+            if outgoing.is_closed() {
+                break;
+            }
+            let admitted = self.limits.admit_axes("axes", wire.axes.len());
+            let answer = admitted.and_then(|()| judged(wire, &self.figures));
+            if let Err(rejected) = &answer {
+                self.refusals.count(rejected.reason);
+            }
+            let outcome = outcome_to_wire(&answer, detail);
+            bytes += outcome.encoded_len();
+            if bytes > self.most_bytes {
+                return Err(too_large(outcomes.len(), self.most_bytes));
+            }
+            outcomes.push(outcome);
+        }
+        Ok(pb::PlanManyResponse { outcomes })
+    }
+}
+
+/// Found out before all of it is planned: what may not be sent is not to be held in memory either.
+fn too_large(fit: usize, allowed: usize) -> Rejected {
+    let text = format!(
+        "the answer has more than {allowed} bytes, the most that this server sends, after {fit} plans: ask for fewer in a \
+         message or for less of each, or raise the server's max_message_bytes"
+    );
+    Rejected::new(Reason::MessageTooLarge, text).with("allowed", allowed).with("fit", fit)
+}
+
+fn draining() -> Rejected {
+    let text = "this server is about to leave: ask another for what is not answered";
+    Rejected::new(Reason::Draining, text)
+}
