@@ -262,5 +262,7 @@ class InjectFaultRequest(_message.Message):
     def __init__(self, stall_reads: _Optional[_Union[datetime.timedelta, _duration_pb2.Duration, _Mapping]] = ..., drop_batches: _Optional[int] = ..., pause_reports: _Optional[_Union[datetime.timedelta, _duration_pb2.Duration, _Mapping]] = ..., effort_limit_scale: _Optional[float] = ...) -> None: ...
 
 class InjectFaultResponse(_message.Message):
-    __slots__ = ()
-    def __init__(self) -> None: ...
+    __slots__ = ("runs",)
+    RUNS_FIELD_NUMBER: _ClassVar[int]
+    runs: int
+    def __init__(self, runs: _Optional[int] = ...) -> None: ...

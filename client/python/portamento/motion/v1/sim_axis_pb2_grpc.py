@@ -94,7 +94,7 @@ class SimAxisServiceServicer:
         raise NotImplementedError('Method not implemented!')
 
     def InjectFault(self, request, context):
-        """Makes something go wrong. Refused unless the process was started with fault injection.
+        """Makes something go wrong. NOT_IMPLEMENTED unless the process was started with --fault-injection.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
