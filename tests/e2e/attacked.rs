@@ -1,6 +1,6 @@
 //! Peers that mean harm, or behave as if they did, beside an axis that moves: it misses no cycle, and memory stays bounded.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use e2e::{Loopback, LoopbackAxis, move_of, planned};
 use proto::{Reason, Rejected, pb};
@@ -84,6 +84,7 @@ async fn a_flood_of_connections() {
     let server = server().await;
     let address = address(&server);
     moved_under(&server, async move {
+        let began = Instant::now();
         let mut held = Vec::new();
         let mut closed = 0;
         for _ in 0..600 {
@@ -91,6 +92,8 @@ async fn a_flood_of_connections() {
             let _ = socket.write_all(&[PREFACE, SETTINGS].concat()).await;
             held.push(socket);
         }
+        // Those that are there and do not answer are left after a second, and others find room.
+        let rounds = 1 + began.elapsed().as_secs() as usize;
         for mut socket in held {
             let mut first = [0];
             // Those that found room hear the server's settings.
@@ -98,7 +101,8 @@ async fn a_flood_of_connections() {
                 tokio::time::timeout(AMPLE, socket.read(&mut first)).await.expect("an answer, or an end");
             closed += usize::from(!matches!(heard, Ok(1)));
         }
-        assert!(closed >= 500, "{closed} of 600 were closed");
+        assert!(closed >= 600 - 80 * rounds, "{closed} of 600 were closed");
+        assert!(rounds > 5 || closed > 0, "more came than there is room for");
     })
     .await;
 }
