@@ -101,8 +101,7 @@ async fn a_flood_of_connections() {
                 tokio::time::timeout(AMPLE, socket.read(&mut first)).await.expect("an answer, or an end");
             closed += usize::from(!matches!(heard, Ok(1)));
         }
-        assert!(closed >= 600 - 80 * rounds, "{closed} of 600 were closed");
-        assert!(rounds > 5 || closed > 0, "more came than there is room for");
+        assert!(closed + 80 * rounds >= 600, "{closed} of 600 were closed, in {rounds} s");
     })
     .await;
 }
