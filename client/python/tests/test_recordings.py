@@ -32,7 +32,7 @@ def test_what_happened_is_inside_with_its_schema(demo):
     assert schemas == {
         "/head": "motion.v1.RecordingHead", "/request": "motion.v1.PlanRequest", "/plan": "motion.v1.Plan",
         "/axes/x": "motion.v1.RecordedCycle", "/operations": "motion.v1.RecordedOperation",
-        "/events": "motion.v1.StreamEvent", "/report": "motion.v1.TrackingReport",
+        "/events": "motion.v1.StreamEvent", "/failovers": "motion.v1.FailOver", "/report": "motion.v1.TrackingReport",
     }
     plan = by_topic["/plan"][0][2]
     assert plan.certificate.passed and plan.axes[0].axis == "x"
