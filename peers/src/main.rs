@@ -138,6 +138,7 @@ impl Tally {
     fn print(&self, what: &str) {
         let Self { asked, refused_by_us, refused, astray, slower, longer } = self;
         println!("| {what} | {asked} | {refused_by_us} | {refused} | {astray} | {slower} | {longer:.1e} |");
+        assert_eq!(*refused_by_us, 0, "{what}");
     }
 }
 

@@ -422,6 +422,24 @@ pub enum Why {
         /// The one that is proportional to the distance of the axis.
         needed: f64,
     },
+    /// An acceleration that would take an axis beyond its velocity on a straight line, though not by itself: another axis has too little jerk
+    /// to end it as soon.
+    #[error(
+        "is {}, and on a straight line the jerk of axes[{slowest}] ends it only beyond {limit}: begin with {}, raise limits.max_jerk of \
+         axes[{slowest}], or let the axes arrive together without a line",
+        Shortest(*.given),
+        Shortest(*.allowed)
+    )]
+    SweptOffLimits {
+        /// The acceleration [axis units/s²].
+        given: f64,
+        /// As much as can be ended in time.
+        allowed: f64,
+        /// The field of the limit of velocity.
+        limit: &'static str,
+        /// The index of the axis whose jerk is the line's.
+        slowest: usize,
+    },
     /// An axis that may not go back and cannot wait either, so that it arrives early or never.
     #[error(
         "takes at most {} s, and the motion lasts {} s: allow it to go back, or let it arrive by itself",

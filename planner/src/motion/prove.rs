@@ -7,7 +7,7 @@ use super::Refused;
 use super::errand::UnderWay;
 use super::leg::Leg;
 use crate::float::{largest, least, sqrt};
-use crate::verify::Violation;
+use crate::verify::{Recoveries, Recovery, Violation};
 use crate::{
     Accepted, AxisPlan, Family, InvalidFields, Judged, LimitCheck, Limits, LimitsSpec, Method, Plan,
     Quantity, State,
@@ -95,9 +95,10 @@ pub(super) fn prove(under_way: &UnderWay<'_>, axes: Vec<AxisPlan>) -> Result<Pro
         return accept(judged, Vec::new());
     }
     let mut beyond = Vec::new();
-    let mut axes = judged.plan().axes().to_vec();
+    let (mut axes, recoveries) = (judged.plan().axes().to_vec(), Recoveries::of(judged.plan()));
     for axis in &mut axes {
-        widen(axis, &mut beyond)?;
+        let recovery = recoveries.of_axis(&axis.profile, &axis.limits);
+        widen(axis, recovery, &mut beyond)?;
     }
     if beyond.is_empty() { accept(judged, beyond) } else { accept(judge(axes)?, beyond) }
 }
@@ -105,16 +106,16 @@ pub(super) fn prove(under_way: &UnderWay<'_>, axes: Vec<AxisPlan>) -> Result<Pro
 /// States the limits of an axis as wide as its start makes inevitable.
 ///
 /// ```text
-/// velocity       full jerk against the acceleration: v ± a²/(2·jerk)
+/// velocity       full jerk against the acceleration: v ± a²/(2·jerk); on a line the line's, as of all that follows
 /// acceleration   that of the start; and where slowing down leads through zero, what is left of it there, √(a² − 2·jerk·|v|),
 ///                which then speeds up
 /// position       where the fastest stop leads
 /// ```
-fn widen(axis: &mut AxisPlan, beyond: &mut Vec<Beyond>) -> Result<(), InvalidFields> {
+fn widen(axis: &mut AxisPlan, recovery: Recovery, beyond: &mut Vec<Beyond>) -> Result<(), InvalidFields> {
     let limits = axis.limits.clone();
     let start = axis.profile.start();
     let Inevitable { lowest, highest, speeding_up, slowing_down, least_position, greatest_position } =
-        Inevitable::of(start, &limits)?;
+        Inevitable::of(start, &limits, recovery)?;
     let mut spec = LimitsSpec {
         // What is unset follows its counterpart, which may be about to change.
         max_deceleration: Some(limits.deceleration()),
@@ -167,16 +168,22 @@ struct Inevitable {
 }
 
 impl Inevitable {
-    fn of(start: State, limits: &Limits) -> Result<Self, InvalidFields> {
+    fn of(start: State, limits: &Limits, recovery: Recovery) -> Result<Self, InvalidFields> {
         let State { position, velocity, acceleration } = start;
-        let change = 0.5 * acceleration * acceleration.abs() / limits.jerk();
+        let change = 0.5 * acceleration * acceleration.abs() / recovery.jerk;
         let hardest = acceleration.abs();
         let (speeding_up, slowing_down) = if acceleration * velocity >= 0.0 {
             (hardest, 0.0)
         } else {
-            (sqrt(largest(0.0, 2.0 * limits.jerk() * (change.abs() - velocity.abs()))), hardest)
+            (sqrt(largest(0.0, 2.0 * recovery.jerk * (change.abs() - velocity.abs()))), hardest)
         };
-        let stop = Leg::to_rest(start, &limits.scaled(1.0))?.profile;
+        let led_back_by = LimitsSpec {
+            max_acceleration: recovery.acceleration,
+            max_deceleration: Some(recovery.deceleration),
+            max_jerk: recovery.jerk,
+            ..limits.scaled(1.0).spec().clone()
+        };
+        let stop = Leg::to_rest(start, &led_back_by.try_into()?)?.profile;
         let (mut least_position, mut greatest_position) = (position, position);
         for segment in stop.segments() {
             for t in segment.turning_points() {

@@ -82,8 +82,8 @@ fn parts(axis: &AxisTransfer<'_>) -> [Part; 5] {
 
 impl Line {
     /// # Errors
-    /// [`Why::OffTheLine`] for each part of a state that is not proportional to the distances; [`Why::StartOutsideLimits`] of an
-    /// acceleration that the line cannot end in time.
+    /// [`Why::OffTheLine`] for each part of a state that is not proportional to the distances; [`Why::SweptOffLimits`] of an
+    /// acceleration that the line cannot end in time, though the axis could.
     pub(super) fn of(axes: &[AxisTransfer<'_>]) -> Result<Self, InvalidFields> {
         let (leader, which) = direction(axes);
         let leading = axes.get(leader).map(parts).unwrap_or_default();
@@ -100,8 +100,9 @@ impl Line {
             return Err(invalid);
         }
         let may = May::of(axes, &shares)?;
+        let slowest = slowest(axes, &shares);
         for (index, (axis, &share)) in axes.iter().zip(&shares).enumerate() {
-            note_axis(&mut invalid, index, swept_beyond(axis, share.abs() * may.jerk()));
+            note_axis(&mut invalid, index, swept_off(axis, share.abs() * may.jerk(), slowest));
         }
         invalid.into_result(())?;
         Ok(Self { leader, shares, start, goal, may })
@@ -133,23 +134,44 @@ fn note_axis(invalid: &mut InvalidFields, index: usize, inner: InvalidFields) {
     }
 }
 
-/// Does the acceleration at the start sweep the axis beyond its limit of velocity, or farther than its own jerk would, as the line has
-/// only `jerk` to end it?
-fn swept_beyond(axis: &AxisTransfer<'_>, jerk: f64) -> InvalidFields {
+/// Does the acceleration at the start sweep an axis beyond its limit of velocity that by itself would stay inside, since the line has only
+/// `jerk` to end it, that of the axis `slowest`? One that is beyond anyway is led back, as fast as the line can.
+fn swept_off(axis: &AxisTransfer<'_>, jerk: f64, slowest: usize) -> InvalidFields {
     let BoundsSpec { min_velocity, max_velocity, max_jerk, .. } = axis.signed();
     let State { velocity, acceleration, .. } = axis.start();
-    let sign = if acceleration < 0.0 { -1.0 } else { 1.0 };
-    let limit = if acceleration < 0.0 { -min_velocity } else { max_velocity };
+    let backward = acceleration < 0.0;
+    let (sign, limit) = if backward { (-1.0, -min_velocity) } else { (1.0, max_velocity) };
+    let allowed = limit + 0.5 * LIMIT_TOLERANCE * limit.abs();
     let swept = |jerk: f64| sign * velocity + 0.5 * acceleration * acceleration / jerk;
-    let farthest = largest(limit, swept(max_jerk));
     let mut invalid = InvalidFields::default();
-    if jerk > 0.0 && acceleration != 0.0 && swept(jerk) > farthest + 0.5 * LIMIT_TOLERANCE * farthest.abs() {
-        let allowed = sign * sqrt(2.0 * jerk * largest(0.0, limit - sign * velocity)) + 0.0;
-        let limit = if acceleration < 0.0 { "min_velocity" } else { "max_velocity" };
-        let why = Why::StartOutsideLimits { given: acceleration, allowed, limit };
+    if jerk > 0.0 && acceleration != 0.0 && swept(max_jerk) <= allowed && swept(jerk) > allowed {
+        let why = Why::SweptOffLimits {
+            given: acceleration,
+            allowed: sign * sqrt(2.0 * jerk * largest(0.0, limit - sign * velocity)) + 0.0,
+            limit: limit_of_velocity(axis, backward),
+            slowest,
+        };
         invalid.note("start.acceleration", Some(why));
     }
     invalid
+}
+
+/// The name of the limit of velocity, as it was stated.
+fn limit_of_velocity(axis: &AxisTransfer<'_>, backward: bool) -> &'static str {
+    match axis.within() {
+        Within::Bounds(_) if backward => "bounds.min_velocity",
+        Within::Bounds(_) => "bounds.max_velocity",
+        Within::Limits { limits, .. } if backward && limits.spec().max_velocity_reverse.is_some() => {
+            "limits.max_velocity_reverse"
+        }
+        Within::Limits { .. } => "limits.max_velocity",
+    }
+}
+
+/// The axis whose jerk is the line's.
+fn slowest(axes: &[AxisTransfer<'_>], shares: &[f64]) -> usize {
+    let jerk = |index: usize| axes[index].signed().max_jerk / shares[index].abs();
+    (0..axes.len()).fold(0, |least, index| if jerk(index) < jerk(least) { index } else { least })
 }
 
 /// The axis that leads, and the number of the part that is the direction: the first that is not zero for all, and there the largest.

@@ -59,7 +59,7 @@ pub struct Together {
 /// All with the axis in the path. Those of [`AxisTransfer::fastest`]; [`Why::NoAxes`] and [`Why::TooManyAxes`]; a minimum duration that is none;
 /// [`Why::TooManyCycles`], also of a duration beyond [`LONGEST`](crate::LONGEST); [`Why::ArrivesEarly`] where an axis that may not go back cannot take as long as
 /// the others; on a line [`Why::OffTheLine`], with the value that would be on it,
-/// and [`Why::StartOutsideLimits`] of an acceleration that would take the axis beyond its velocity, as the line has less jerk to end it.
+/// and [`Why::SweptOffLimits`] of an acceleration that would take the axis beyond its velocity, as the line has less jerk to end it.
 /// `transits` is then of no use.
 pub fn together(
     axes: &[AxisTransfer<'_>],

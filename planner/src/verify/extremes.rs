@@ -4,6 +4,7 @@ use arrayvec::ArrayVec;
 
 use super::joins::fastest_join;
 use super::led_back::LedBack;
+use super::recovery::Recovery;
 use super::{JOIN_TOLERANCE, LIMIT_TOLERANCE, POSITION_ULPS, VELOCITY_ULPS};
 use crate::float::largest;
 use crate::segment::turning_points_of_jerk;
@@ -69,12 +70,18 @@ pub(super) struct Extremes {
 }
 
 impl Extremes {
-    pub(super) fn of(profile: &Profile, limits: &Limits, highest: usize, leads_back: bool) -> Self {
+    pub(super) fn of(
+        profile: &Profile,
+        limits: &Limits,
+        highest: usize,
+        leads_back: Option<Recovery>,
+    ) -> Self {
         let start = profile.start();
         let zero = VELOCITY_ULPS * f64::EPSILON * fastest_join(profile);
         let moves = !profile.segments().is_empty();
+        let recovery = leads_back.filter(|_| moves);
         let led_back =
-            if leads_back && moves { LedBack::of(profile, limits, zero) } else { LedBack::default() };
+            recovery.map(|recovery| LedBack::of(profile, limits, recovery, zero)).unwrap_or_default();
         let mut extremes = Self {
             least_position: (start.position, 0.0),
             greatest_position: (start.position, 0.0),

@@ -10,10 +10,11 @@
 //! ```
 //!
 //! The deadline of the velocity is when the fastest way back comes in with no acceleration left: whoever is later dawdled. It
-//! is told by the lower of the limits of speeding up and slowing down, which is that of a ramp that goes on through zero.
+//! is told by the lower of the limits of speeding up and slowing down, which is that of a ramp that goes on through zero. On a straight line
+//! full jerk is what the line has of it, since to be faster an axis would have to leave it.
 
 use crate::float::sqrt;
-use crate::verify::LIMIT_TOLERANCE;
+use crate::verify::{LIMIT_TOLERANCE, Recovery};
 use crate::{Limits, Profile, State};
 
 /// Of how far beyond a motion begins, in units in the last place: what it is back at its limit but for, since the end of a piece is no
@@ -53,18 +54,17 @@ struct Fall {
 }
 
 impl LedBack {
-    /// What is beyond `limits` at the start; nothing where it is inside. `rounding` is what velocities are rounded to.
-    pub(crate) fn of(profile: &Profile, limits: &Limits, rounding: f64) -> Self {
+    /// What is beyond `limits` at the start, led back by `recovery`; nothing where it is inside. `rounding` is what velocities are rounded to.
+    pub(crate) fn of(profile: &Profile, limits: &Limits, recovery: Recovery, rounding: f64) -> Self {
         let State { velocity, acceleration, .. } = profile.start();
         let end = profile.duration();
-        let lower = limits.acceleration().min(limits.deceleration());
         let back = |sign: f64| {
             let limit = limits.velocity_towards(sign);
-            let back =
-                Return::of(sign * velocity, sign * acceleration, limit, lower, limits.jerk(), rounding);
+            let back = Return::of(sign * velocity, sign * acceleration, limit, recovery, rounding);
             back.map(|back| Return { deadline: back.deadline.min(end), ..back })
         };
-        let fall = Fall { start: acceleration, jerk: limits.jerk(), end, until: 0.0 };
+        let fall = Fall { start: acceleration, jerk: recovery.jerk, end, until: 0.0 };
+        let lower = limits.acceleration().min(limits.deceleration());
         Self { velocity: [back(1.0), back(-1.0)], acceleration: (acceleration.abs() > lower).then_some(fall) }
     }
 
@@ -103,7 +103,8 @@ impl LedBack {
 
 impl Return {
     /// The fastest way back to `limit`, which ends there without acceleration; nothing where none is needed.
-    fn of(v: f64, a: f64, limit: f64, lower: f64, jerk: f64, rounding: f64) -> Option<Self> {
+    fn of(v: f64, a: f64, limit: f64, recovery: Recovery, rounding: f64) -> Option<Self> {
+        let jerk = recovery.jerk;
         let rises = a.max(0.0);
         let inevitable = v + 0.5 * rises * rises / jerk;
         // Also for NaN.
@@ -111,7 +112,7 @@ impl Return {
         if inside || inevitable.is_nan() {
             return None;
         }
-        let deadline = Self::deadline(v, a, limit, lower, jerk);
+        let deadline = Self::deadline(v, a, limit, recovery.lower(), jerk);
         Some(Self { limit, inevitable, turns_at: rises / jerk, deadline, lowest: inevitable })
     }
 

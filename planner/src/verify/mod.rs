@@ -6,13 +6,14 @@
 //!
 //! - `certificate`: what it says
 //! - `extremes`: how far a motion goes, against its limits; `joins`: how well its pieces meet
-//! - `led_back`: what it lets pass of a start beyond the limits
+//! - `led_back`: what it lets pass of a start beyond the limits; `recovery`: what that is led back by
 //! - `transfer`: the same for bounds with signs
 
 mod certificate;
 mod extremes;
 mod joins;
 mod led_back;
+mod recovery;
 mod transfer;
 
 use alloc::sync::Arc;
@@ -24,6 +25,7 @@ use crate::{Alone, Workers};
 pub use certificate::{Certificate, EndCheck, JoinCheck, LimitCheck, Violation};
 use extremes::{Extremes, Worst};
 use joins::Jumps;
+pub(crate) use recovery::{Recoveries, Recovery};
 pub use transfer::transfer_violations;
 
 /// Of a limit \[1\]: what a motion may be beyond it, since its pieces are rounded. Where an axis turns back, from one limit of acceleration to
@@ -49,6 +51,7 @@ pub fn certify(plan: &Plan) -> Certificate {
 #[must_use]
 pub fn certify_by(plan: &Plan, workers: &impl Workers) -> Certificate {
     let count = plan.axes().len();
+    let recoveries = Recoveries::of(plan);
     let mut parts = workers
         .each_range(count, |axes| {
             // Of each axis, but for a range of positions and derivatives above jerk.
@@ -59,8 +62,15 @@ pub fn certify_by(plan: &Plan, workers: &impl Workers) -> Certificate {
                 ends: Vec::with_capacity(each),
             };
             for axis in &plan.axes()[axes] {
-                let goal = axis.goal_to_reach();
-                certificate.judge(&axis.axis, &axis.profile, &axis.limits, goal, &Promise::of(plan));
+                let (goal, recovery) =
+                    (axis.goal_to_reach(), recoveries.of_axis(&axis.profile, &axis.limits));
+                certificate.judge(
+                    &axis.axis,
+                    &axis.profile,
+                    &axis.limits,
+                    goal,
+                    &Promise::of(plan, recovery),
+                );
             }
             certificate
         })
@@ -80,9 +90,12 @@ pub fn certify_against<'a>(
     plan: &Plan,
     against: impl IntoIterator<Item = (&'a Limits, State)>,
 ) -> Certificate {
+    let against: Vec<(&Limits, State)> = against.into_iter().collect();
+    let recoveries = Recoveries::within(plan, against.iter().map(|(limits, _)| *limits));
     let mut certificate = Certificate::default();
     for (axis, (limits, goal)) in plan.axes().iter().zip(against) {
-        certificate.judge(&axis.axis, &axis.profile, limits, goal, &Promise::of(plan));
+        let recovery = recoveries.of_axis(&axis.profile, limits);
+        certificate.judge(&axis.axis, &axis.profile, limits, goal, &Promise::of(plan, recovery));
     }
     certificate
 }
@@ -123,16 +136,17 @@ struct Promise {
     limited: [bool; MAX_ORDER + 1],
     /// It does not jump.
     joined: [bool; MAX_ORDER + 1],
-    /// A start beyond the limits is led back: what a move of limited jerk may begin with, and no other.
-    leads_back: bool,
+    /// A start beyond the limits is led back by that: what a move of limited jerk may begin with, and no other.
+    leads_back: Option<Recovery>,
 }
 
 impl Promise {
-    fn of(plan: &Plan) -> Self {
+    fn of(plan: &Plan, recovery: Recovery) -> Self {
         let mut promise = Self::keeping(plan.guaranteed());
         // Each pulse begins and ends without jerk.
         promise.joined[3] |= plan.method().family == Family::Trigonometric;
-        promise.leads_back = plan.method().family == Family::SCurve && plan.method().pvt.is_none();
+        let leads_back = plan.method().family == Family::SCurve && plan.method().pvt.is_none();
+        promise.leads_back = leads_back.then_some(recovery);
         promise
     }
 
@@ -142,7 +156,7 @@ impl Promise {
         // A jump is an unlimited derivative.
         joined[..MAX_ORDER].copy_from_slice(&limited[1..]);
         joined[..2].fill(true);
-        Self { limited, joined, leads_back: false }
+        Self { limited, joined, leads_back: None }
     }
 }
 

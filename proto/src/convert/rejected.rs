@@ -146,7 +146,7 @@ fn reason(why: &Why) -> Reason {
         Why::GoalOutsideLimits { .. } => Reason::GoalOutsideLimits,
         Why::PositionLimit { .. } => Reason::PositionLimit,
         Why::PathTooShort { .. } => Reason::PathTooShort,
-        Why::OffTheLine { .. } => Reason::PhaseSynchronizationImpossible,
+        Why::OffTheLine { .. } | Why::SweptOffLimits { .. } => Reason::PhaseSynchronizationImpossible,
         Why::ArrivesEarly { .. } => Reason::ValueOutOfRange,
         Why::NoPoints => Reason::NoPoints,
         Why::LengthMismatch { .. } | Why::TimesDiffer { .. } => Reason::LengthMismatch,
@@ -168,6 +168,7 @@ fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
         }
         Why::StartOutsideLimits { given, allowed, .. }
         | Why::GoalOutsideLimits { given, allowed, .. }
+        | Why::SweptOffLimits { given, allowed, .. }
         | Why::PositionLimit { reached: given, allowed, .. } => {
             vec![("needed", text(allowed)), ("given", text(given)), ("nearest", text(allowed))]
         }
