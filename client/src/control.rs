@@ -6,7 +6,8 @@ use crate::{Connect, Error};
 /// Does an operation on a stream that one of `endpoints` serves: asks them in turn. With encryption: [`Connect::control`].
 ///
 /// # Errors
-/// That of the endpoint which serves the stream; where none does, that of the last one that was asked.
+/// That of the endpoint which serves the stream; where none does, that of one where it has come to its end, or of the last one that was
+/// asked.
 pub async fn control(
     endpoints: &[String],
     stream: &str,
@@ -30,7 +31,12 @@ impl Connect {
         for endpoint in endpoints {
             let asked = async { self.to(endpoint).await?.control(stream, operation.clone()).await };
             match asked.await {
-                Err(error) if asks_elsewhere(&error) => last = error,
+                // Elsewhere another of the same name may have begun; but no other endpoint knows more of its end.
+                Err(error) if asks_elsewhere(&error) => {
+                    if !is_finished(&last) {
+                        last = error;
+                    }
+                }
                 answered => return answered,
             }
         }
@@ -38,11 +44,15 @@ impl Connect {
     }
 }
 
+fn is_finished(error: &Error) -> bool {
+    matches!(error, Error::Rejected(rejected) if rejected.reason == Reason::StreamFinished)
+}
+
 fn asks_elsewhere(error: &Error) -> bool {
     match error {
         Error::Unreachable { .. } | Error::Unanswered { .. } => true,
         Error::Rejected(rejected) => {
-            matches!(rejected.reason, Reason::StreamNotHere | Reason::Draining)
+            matches!(rejected.reason, Reason::StreamNotHere | Reason::StreamFinished | Reason::Draining)
         }
         Error::Address { .. } | Error::TooLarge { .. } | Error::NotServed { .. } | Error::Protocol(_) => {
             false

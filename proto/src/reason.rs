@@ -121,8 +121,9 @@ reasons! {
             "A point cannot be met in position, velocity and time at once. Move it as the nearest values say, \
              give it more time, or choose a policy that says which of the three may give way."
         PhaseSynchronizationImpossible "PHASE_SYNCHRONIZATION_IMPOSSIBLE"
-            "The start and goal states do not lie on one straight line in axis space. Make velocities and \
-             accelerations proportional to the distances, or synchronize in time."
+            "The start and goal states do not lie on one straight line in axis space, or an axis keeps its limits only off \
+             that line. Make velocities and accelerations proportional to the distances, begin gentler, or synchronize in \
+             time."
         StreamFinished "STREAM_FINISHED"
             "The stream is over, so nothing can be done to its motion any more. Open a stream with a new plan."
         Stopped "STOPPED"

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use proto::stream::{FromAxis, Open, OperationResult};
+use proto::stream::{FromAxis, Open, OperationResult, Phase};
 use proto::{Reason, Rejected, pb, request_from_wire, response_to_wire};
 use serving::Leaving;
 use tokio::sync::{mpsc, oneshot};
@@ -125,6 +125,7 @@ async fn serve(
             commanders.tell(answer);
         }
     }
+    claim.finished = session.phase() == Phase::Finished;
     tracing::info!(phase = ?session.phase(), "stream closed");
 }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use proto::stream::{Open, Operation, OperationResult, Source};
 use proto::{Reason, Rejected};
-use serving::Caller;
+use serving::{Caller, Ended};
 use tokio::sync::{mpsc, oneshot};
 
 use crate::figures::Figures;
@@ -14,10 +14,17 @@ use crate::limits::Limits;
 /// Which streams are open here, each under its newest epoch.
 #[derive(Clone, Debug)]
 pub(crate) struct Streams {
-    open: Arc<Mutex<HashMap<String, Holder>>>,
+    known: Arc<Mutex<Known>>,
     limits: Limits,
     figures: Figures,
     caller: Caller,
+}
+
+#[derive(Debug, Default)]
+struct Known {
+    open: HashMap<String, Holder>,
+    /// Those whose motion came to its end here.
+    finished: Ended,
 }
 
 /// The session that holds a stream.
@@ -50,11 +57,13 @@ pub(crate) struct Claim {
     pub(crate) superseded: oneshot::Receiver<u64>,
     /// What others ask for.
     pub(crate) commands: mpsc::Receiver<Command>,
+    /// Has its motion come to its end?
+    pub(crate) finished: bool,
 }
 
 impl Streams {
     pub(crate) fn new(limits: Limits, figures: Figures) -> Self {
-        Self { open: Arc::default(), limits, figures, caller: Caller::default() }
+        Self { known: Arc::default(), limits, figures, caller: Caller::default() }
     }
 
     /// The same streams, as far as `caller` may use them.
@@ -84,7 +93,8 @@ impl Streams {
         let (sender, superseded) = oneshot::channel();
         let (commander, commands) = mpsc::channel(COMMANDS);
         let holder = Holder { epoch, caller: self.caller.clone(), superseded: sender, commands: commander };
-        let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let Known { open, finished } = &mut *known;
         let count = open.len();
         let of_caller =
             || open.values().filter(|held| held.caller.identity() == self.caller.identity()).count();
@@ -106,9 +116,10 @@ impl Streams {
                 free.insert(holder);
             }
         }
+        finished.forget(&stream);
         self.figures.opened(open.len());
-        drop(open);
-        Ok(Claim { streams: self.clone(), stream, epoch, superseded, commands })
+        drop(known);
+        Ok(Claim { streams: self.clone(), stream, epoch, superseded, commands, finished: false })
     }
 
     /// Asks for an operation on `stream`, and waits for what becomes of it.
@@ -119,8 +130,9 @@ impl Streams {
     ) -> Result<OperationResult, Rejected> {
         self.caller.may_use(stream)?;
         let commands = {
-            let open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
-            open.get(stream).map(|holder| holder.commands.clone()).ok_or_else(|| not_here(stream))?
+            let Known { open, finished } = &*self.known.lock().unwrap_or_else(PoisonError::into_inner);
+            let nobody = || if finished.has(stream) { over(stream) } else { not_here(stream) };
+            open.get(stream).map(|holder| holder.commands.clone()).ok_or_else(nobody)?
         };
         let (answer, answered) = oneshot::channel();
         match commands.try_send(Command { operation, answer }) {
@@ -134,9 +146,13 @@ impl Streams {
 
 impl Drop for Claim {
     fn drop(&mut self) {
-        let mut open = self.streams.open.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = &mut *self.streams.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let Known { open, finished } = known;
         if open.get(&self.stream).is_some_and(|holder| holder.epoch == self.epoch) {
             open.remove(&self.stream);
+            if self.finished {
+                finished.note(std::mem::take(&mut self.stream));
+            }
             self.streams.figures.open(open.len());
         }
     }
@@ -168,6 +184,11 @@ fn not_here(stream: &str) -> Rejected {
         "stream {stream:?} is not served here: ask the other replicas in turn, or command the axis that plays it"
     );
     Rejected::new(Reason::StreamNotHere, text)
+}
+
+fn over(stream: &str) -> Rejected {
+    let text = format!("stream {stream:?} has come to its end: open a stream with a new plan");
+    Rejected::new(Reason::StreamFinished, text)
 }
 
 fn overloaded(stream: &str) -> Rejected {

@@ -421,6 +421,18 @@ fn what_changes_no_setpoint_begins_with_the_next_batch() {
 }
 
 #[test]
+fn what_was_to_take_effect_after_the_end_is_refused_at_the_end() {
+    let mut stage = Stage::new(open(plan(0.0)));
+    let beyond = |id: &str, ask| Operation { not_before_cycle: Some(100_000), ..Operation::now(id, ask) };
+    stage.handle(Event::FromAxis(FromAxis::Operation(beyond("hold", Ask::Hold))));
+    stage.report(10, 400);
+    assert_eq!(stage.answers, []);
+    stage.report(314, 400);
+    assert_eq!(stage.answers, [Err(Reason::StreamFinished)]);
+    assert_eq!(stage.ended, Some(Ok(())));
+}
+
+#[test]
 fn a_hold_in_the_last_cycles_keeps_the_stream_open() {
     let mut stage = Stage::new(open(plan(0.0)));
     while stage.held() < 314 {

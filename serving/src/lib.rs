@@ -13,6 +13,7 @@
 //! - `tls`, `caller`, `policy`: who calls, and what he may do
 //! - `frame`: what every call passes, in one order; `admission`, `told`, `refusals` are its layers: who is let in, what is told
 //!   of a call, and that messages too large or too late, and statuses without a reason, become refusals with one
+//! - `ended`: what has lately come to an end, for those who come too late
 //! - `side_port`: health for probes, figures for Prometheus, and pages for people
 //! - `leaving`: the order in which a process goes
 
@@ -20,6 +21,7 @@ mod address;
 mod admission;
 mod caller;
 mod connections;
+mod ended;
 #[cfg(feature = "otlp")]
 mod export;
 mod file;
@@ -43,6 +45,7 @@ pub use address::{Address, InvalidAddress};
 /// What pages on the side port are made of.
 pub use axum;
 pub use caller::Caller;
+pub use ended::Ended;
 pub use file::{settings_file, with_settings};
 pub use flags::{Flags, LogFormat};
 pub use given::{Given, List, Seconds};

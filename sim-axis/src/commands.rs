@@ -1,7 +1,8 @@
 //! Operations that others ask of an axis: forwarded in band, and answered as the server answers.
 
 use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use proto::stream::{Operation, OperationResult};
 use proto::{Reason, Rejected};
@@ -11,6 +12,15 @@ use tokio::sync::{mpsc, oneshot};
 #[derive(Clone, Debug)]
 pub struct Commander {
     inbox: mpsc::Sender<Command>,
+    finished: Arc<AtomicBool>,
+}
+
+/// Where the commands of a [`Commander`] come out.
+#[derive(Debug)]
+pub(crate) struct Commands {
+    pub(crate) inbox: mpsc::Receiver<Command>,
+    /// The stream has come to its end, and takes no more of them.
+    pub(crate) finished: Arc<AtomicBool>,
 }
 
 /// What will become of an operation.
@@ -30,21 +40,30 @@ pub(crate) type Answer = oneshot::Sender<Result<OperationResult, Rejected>>;
 const COMMANDS: usize = 16;
 
 /// A commander, and where its commands come out.
-pub(crate) fn commander() -> (Commander, mpsc::Receiver<Command>) {
-    let (inbox, commands) = mpsc::channel(COMMANDS);
-    (Commander { inbox }, commands)
+pub(crate) fn commander() -> (Commander, Commands) {
+    let ((sender, inbox), finished) = (mpsc::channel(COMMANDS), Arc::default());
+    (Commander { inbox: sender, finished: Arc::clone(&finished) }, Commands { inbox, finished })
 }
 
 impl Commander {
     /// Asks for an operation, and waits until the server says what became of it.
     ///
     /// # Errors
-    /// What the server refuses it for; [`Reason::NotConfirmed`] where the run is over before it is answered.
+    /// What the server refuses it for; [`Reason::StreamFinished`] where the motion has come to its end; [`Reason::NotConfirmed`] where the run
+    /// is over otherwise before it is answered.
     pub async fn operate(&self, operation: Operation) -> Result<OperationResult, Rejected> {
         let (answer, answered) = oneshot::channel();
         let sent = self.inbox.send(Command { operation, answer }).await;
-        sent.map_err(|_| not_confirmed())?;
-        Answered(answered).get().await
+        sent.map_err(|_| self.gone())?;
+        answered.await.unwrap_or_else(|_| Err(self.gone()))
+    }
+
+    fn gone(&self) -> Rejected {
+        if !self.finished.load(Ordering::Acquire) {
+            return not_confirmed();
+        }
+        let text = "the motion has come to its end, and the axis settles: begin a new run";
+        Rejected::new(Reason::StreamFinished, text)
     }
 
     /// Is it the commander of the same run?

@@ -71,6 +71,45 @@ async fn a_motion_through_points_is_appended_to_and_held_on_its_path() {
     assert_eq!(answered(&mut stream, "late").await.unwrap_err().reason, Reason::AppendTooLate);
 }
 
+/// Points that are asked for later than there is motion are told when they could have been appended; and who commands a stream that is over is
+/// told that it is.
+#[tokio::test]
+async fn what_comes_after_the_end_is_too_late() {
+    let server = Loopback::start().await;
+    let client = server.client().await;
+    let plan = crate::rehearsed_paths::opened(Kind::Points);
+    let mut stream = Setpoints::open(&client, open("cell-7/xy", plan)).await.unwrap();
+    let append = Ask::Append(crate::rehearsed_paths::points(FIRST_POINTS, 12));
+    let later = Operation { not_before_cycle: Some(100_000), ..Operation::now("later", append) };
+    assert!(stream.operate(later));
+    while stream.next().await.unwrap().is_some() {}
+    let answers = stream.take_answers();
+    let [(_, Err(refused))] = answers.as_slice() else { panic!("{answers:?}") };
+    assert_eq!(refused.reason, Reason::AppendTooLate);
+    let closing = refused.metadata.get("closing_from_cycle").unwrap().parse::<u64>().unwrap();
+    assert!(0 < closing && closing <= stream.motion().last_cycle(), "{refused}");
+    drop(stream);
+    let hold = || client.control("cell-7/xy", Operation::now("hold", Ask::Hold));
+    // The server learns of the end a moment after the axis.
+    let over = loop {
+        match hold().await.unwrap_err() {
+            client::Error::Rejected(rejected) if rejected.reason == Reason::NotConfirmed => {
+                tokio::task::yield_now().await
+            }
+            other => break other,
+        }
+    };
+    assert!(
+        matches!(&over, client::Error::Rejected(rejected) if rejected.reason == Reason::StreamFinished),
+        "{over}"
+    );
+    let never = client.control("cell-7/never", Operation::now("hold", Ask::Hold)).await.unwrap_err();
+    assert!(
+        matches!(&never, client::Error::Rejected(rejected) if rejected.reason == Reason::StreamNotHere),
+        "{never}"
+    );
+}
+
 #[tokio::test]
 async fn every_operation_is_done_in_band() {
     let server = Loopback::start().await;

@@ -2,7 +2,7 @@
 
 use client::Error;
 use e2e::{Loopback, LoopbackAxis, fifty_millimetres, move_of, open, planned};
-use proto::stream::StreamEventKind;
+use proto::stream::{Ask, Operation, StreamEventKind};
 use proto::{Reason, Rejected};
 use sim_axis::{
     AxisModel, AxisModelSpec, Clock, LoadSpec, MechanicsSpec, RemoteAxis, ServoSpec, TrackRequest,
@@ -331,4 +331,42 @@ async fn a_server_that_stops_in_the_middle_ends_the_run_with_what_there_is() {
     let report = run.finish().unwrap();
     assert_eq!(rejected.metadata["executed_cycle"], report.stream.cycles_executed.to_string());
     assert!(report.stream.cycles_executed > 0);
+}
+
+/// Whoever commands a motion that has come to its end is told so: while the axis settles, and when its run is over.
+#[tokio::test]
+async fn a_command_after_the_end_is_told_of_the_end() {
+    let (server, axis) = (Loopback::start().await, LoopbackAxis::start().await);
+    let remote = RemoteAxis::connect(&axis.endpoint()).await.unwrap();
+    let wall = TrackRequest {
+        clock: Clock::Wall,
+        lead_cycles: 250,
+        settle_window: 20.0,
+        ..request(&server.endpoint())
+    };
+    let mut run = remote.track(wall).await.unwrap();
+    loop {
+        let update = run.next().await.unwrap().expect("it settles for long");
+        if matches!(update, Update::Event(event) if event.kind == StreamEventKind::Finished) {
+            break;
+        }
+    }
+    let hold = || remote.command("cell-7/x", Operation::now("hold", Ask::Hold));
+    let told = hold().await.unwrap_err();
+    assert!(
+        matches!(&told, Error::Rejected(rejected) if rejected.reason == Reason::StreamFinished),
+        "{told}"
+    );
+    drop(run);
+    // The axis learns a moment later that its caller has gone.
+    let over = async {
+        loop {
+            let Err(Error::Rejected(rejected)) = hold().await else { panic!("it is over") };
+            assert_eq!(rejected.reason, Reason::StreamFinished);
+            if rejected.message.contains("any more") {
+                break;
+            }
+        }
+    };
+    tokio::time::timeout(std::time::Duration::from_secs(10), over).await.expect("the run is over");
 }

@@ -1,5 +1,5 @@
 use std::path::Path;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use planner::motion::{AxisPoints, Points};
 use planner::{AxisKind, LimitsSpec, PvtAxisSpec, State};
@@ -13,6 +13,9 @@ use crate::service::Server;
 use crate::show::paint::{Screen, wrapped};
 use crate::source::PointTable;
 
+/// Most operations are answered before that.
+const SOON: Duration = Duration::from_secs(1);
+
 /// `portamento command`
 pub(crate) fn run(args: &CommandArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
     let operation = Operation {
@@ -24,13 +27,24 @@ pub(crate) fn run(args: &CommandArgs, server: Server<'_>, screen: &mut Screen<'_
     let runtime = runtime.map_err(|error| Failure::Internal(error.to_string()))?;
     let result = runtime.block_on(async {
         let axis = RemoteAxis::connect_by(server.connect, &args.axis).await?;
-        axis.command(&args.stream, operation).await
+        let answered = axis.command(&args.stream, operation);
+        tokio::pin!(answered);
+        if let Ok(answered) = tokio::time::timeout(SOON, &mut answered).await {
+            return answered.map_err(Failure::from);
+        }
+        if let Some(cycle) = args.not_before.filter(|_| !screen.json) {
+            let text = format!(
+                "Waiting: it takes effect at cycle {cycle}, or is refused where the motion ends before that."
+            );
+            writeln!(screen.notes, "{}", screen.notes_paint.quiet(&wrapped(&text, "")))?;
+        }
+        answered.await.map_err(Failure::from)
     })?;
     if screen.json {
         let response = pb::CommandResponse { result: Some(result.into()) };
         writeln!(screen.out, "{}", proto::to_json(&response)?)?;
     } else {
-        writeln!(screen.out, "{}", wrapped(&said(&args.order, &result), ""))?;
+        writeln!(screen.out, "{}", wrapped(&said(args, &result), ""))?;
     }
     Ok(())
 }
@@ -66,9 +80,9 @@ fn read_points(path: &Path) -> Result<Vec<AxisPoints>, Failure> {
 }
 
 /// What became of it, in one line.
-fn said(order: &Order, result: &OperationResult) -> String {
+fn said(args: &CommandArgs, result: &OperationResult) -> String {
     let OperationResult { effective_cycle, rest_cycle, revision, on_path, .. } = result;
-    let does = match order {
+    let does = match &args.order {
         Order::Hold => "holds".to_owned(),
         Order::Resume => "goes on".to_owned(),
         Order::Override { factor } => format!("goes at {factor} of its feed rate"),
@@ -77,7 +91,15 @@ fn said(order: &Order, result: &OperationResult) -> String {
         Order::Stop => "stops".to_owned(),
     };
     let path = if *on_path { "on its path" } else { "off its path" };
-    format!("{does} from cycle {effective_cycle}, rests from cycle {rest_cycle}, {path}; revision {revision}")
+    let late = match args.not_before {
+        Some(asked) if *effective_cycle > asked => {
+            format!("; cycle {asked} was past, or too near to reach the axis in time")
+        }
+        _ => String::new(),
+    };
+    format!(
+        "{does} from cycle {effective_cycle}, rests from cycle {rest_cycle}, {path}; revision {revision}{late}"
+    )
 }
 
 /// Unlike that of any request before it: the time [ns].

@@ -308,6 +308,7 @@ impl Session {
         if self.adopted.end(self.close_at_rest).is_some_and(|end| executed >= end) {
             self.finished = true;
             self.tell(StreamEventKind::Finished, last);
+            self.leave_too_late();
             self.end(Ok(()));
         } else if self.phase() == Phase::Standstill && self.stands_at != Some(last) {
             self.stands_at = Some(last);

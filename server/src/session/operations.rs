@@ -1,7 +1,7 @@
 //! What becomes of an operation: when it is planned, and what is answered.
 
 use planner::LAST_CYCLE;
-use planner::motion::{Operation as Planned, Spliced};
+use planner::motion::{Operation as Planned, Refused, Spliced};
 use proto::stream::{
     Operation, OperationRefusal, OperationResult, RECENT_RESULTS, Revised, ToAxis, refused_operation,
 };
@@ -90,7 +90,10 @@ impl Session {
 
     fn plan(&mut self, waiting: Waiting, cycle: u64) {
         let planned = match self.adopted.end(self.close_at_rest) {
-            Some(end) if cycle > end => Err(too_late(cycle, end)),
+            // Until when points can be appended is for the motion to say.
+            Some(end) if cycle > end && !matches!(waiting.planned, Planned::Append(_)) => {
+                Err(too_late(cycle, end))
+            }
             _ => self
                 .adopted
                 .motion
@@ -154,6 +157,18 @@ impl Session {
              request_id"
         );
         self.settle(waiting, &Err(Rejected::new(Reason::NotConfirmed, text)));
+    }
+
+    /// The motion is at its end, and the stream with it: what was to take effect later does not.
+    pub(super) fn leave_too_late(&mut self) {
+        for waiting in self.queue.take_all() {
+            let (cycle, end) = (waiting.not_before, self.adopted.motion.last_cycle());
+            let rejected = match self.adopted.motion.under_way.splice(cycle.max(end), &waiting.planned) {
+                Err(refused @ Refused::AppendTooLate { .. }) => refused_operation(&waiting.planned, refused),
+                _ => too_late(cycle, end),
+            };
+            self.settle(waiting, &Err(rejected));
+        }
     }
 
     /// The session ends: what waits is answered.

@@ -2,14 +2,20 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use proto::{Reason, Rejected};
-use serving::Caller;
+use serving::{Caller, Ended};
 
 use crate::commands::Commander;
 
 /// The streams that axes of this process follow, by name: the newest run of each.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Streams {
-    open: Arc<Mutex<BTreeMap<String, Commander>>>,
+    known: Arc<Mutex<Known>>,
+}
+
+#[derive(Debug, Default)]
+struct Known {
+    open: BTreeMap<String, Commander>,
+    ended: Ended,
 }
 
 /// A stream that is followed, until this is dropped.
@@ -22,7 +28,10 @@ pub(super) struct Entry {
 
 impl Streams {
     pub(super) fn enter(&self, stream: String, commander: Commander) -> Entry {
-        self.lock().insert(stream.clone(), commander.clone());
+        let mut known = self.lock();
+        known.ended.forget(&stream);
+        known.open.insert(stream.clone(), commander.clone());
+        drop(known);
         Entry { streams: self.clone(), stream, commander }
     }
 
@@ -32,9 +41,12 @@ impl Streams {
         if !stream.is_empty() {
             caller.may_use(stream)?;
         }
-        let open = self.lock();
+        let Known { open, ended } = &*self.lock();
         if let Some(commander) = open.get(stream) {
             return Ok(commander.clone());
+        }
+        if ended.has(stream) {
+            return Err(over(stream));
         }
         let mut known = open.iter().filter(|(name, _)| caller.sees(name));
         match (known.next(), known.next()) {
@@ -46,18 +58,26 @@ impl Streams {
         }
     }
 
-    fn lock(&self) -> MutexGuard<'_, BTreeMap<String, Commander>> {
-        self.open.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, Known> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Drop for Entry {
     fn drop(&mut self) {
-        let mut open = self.streams.lock();
+        let Known { open, ended } = &mut *self.streams.lock();
         if open.get(&self.stream).is_some_and(|newest| newest.is_of(&self.commander)) {
             open.remove(&self.stream);
+            ended.note(std::mem::take(&mut self.stream));
         }
     }
+}
+
+fn over(stream: &str) -> Rejected {
+    let text = format!(
+        "no axis of this process follows stream {stream:?} any more, as it has ended: begin a new run"
+    );
+    Rejected::new(Reason::StreamFinished, text)
 }
 
 fn not_here(stream: &str, open: &[&str]) -> Rejected {

@@ -11,7 +11,7 @@ use tokio::sync::mpsc;
 
 use super::{StreamReport, TrackError, TrackingReport, Update};
 use crate::clock::Clock;
-use crate::commands::{Command, Waiting};
+use crate::commands::{Command, Commands, Waiting};
 use crate::cycle_thread::{Fed, Feed, Outcome, Outside, ReportRing, SampleRing, Word};
 use crate::faults::Ailing;
 use crate::figures::Figures;
@@ -33,7 +33,7 @@ pub(super) async fn carry(
     outside: Outside,
     teller: mpsc::Sender<Update>,
     (clock, ailing): (Clock, Ailing),
-    (commands, waiting): (mpsc::Receiver<Command>, Waiting),
+    (commands, waiting): (Commands, Waiting),
 ) -> Result<TrackingReport, TrackError> {
     // Kept to the end: without it the cycle thread stops at once.
     let Outside { mut feed, reports, samples, outcome } = outside;
@@ -127,7 +127,7 @@ fn broken(report: TrackingReport, motion_end: u64, cause: client::Error) -> Trac
 struct Stream<'a> {
     uplink: Uplink,
     reports: ReportRing,
-    commands: mpsc::Receiver<Command>,
+    commands: Commands,
     waiting: &'a Waiting,
     events: mpsc::Sender<Update>,
     failovers: &'a AtomicU64,
@@ -156,7 +156,7 @@ impl Stream<'_> {
                     Next::News(news) => self.hear(news),
                 },
                 () = self.reports.news.notified(), if !self.ailing.is_silent() => self.report(),
-                command = self.commands.recv(), if asked => match command {
+                command = self.commands.inbox.recv(), if asked => match command {
                     Some(Command { operation, answer }) => {
                         self.waiting.expect(&operation.request_id, answer);
                         self.uplink.operate(operation);
@@ -166,6 +166,7 @@ impl Stream<'_> {
             }
             feed.asked_from(self.uplink.failover().asked_from());
         };
+        self.commands.finished.store(how.is_ok(), Ordering::Release);
         self.waiting.give_up();
         feed.push(Fed::Closed).await;
         how.inspect_err(|error| tracing::warn!(%error, "the stream broke off"))
