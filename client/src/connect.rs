@@ -7,6 +7,7 @@ use tonic::service::Interceptor;
 use tonic::transport::{Certificate, Channel, ClientTlsConfig, Endpoint, Identity};
 use tonic::{Request, Status};
 
+use crate::shared::Shared;
 use crate::{Client, Error, address};
 
 /// How to connect: with what encryption, and what a connection is held to. The same for every server of a list.
@@ -20,7 +21,7 @@ use crate::{Client, Error, address};
 /// # Ok(())
 /// # }
 /// ```
-#[derive(Clone, PartialEq, Eq)]
+#[derive(Clone)]
 pub struct Connect {
     tls: Arc<Tls>,
     timeout: Duration,
@@ -28,6 +29,8 @@ pub struct Connect {
     keepalive_timeout: Duration,
     stream_window: u32,
     connection_window: u32,
+    /// The connections of all clones of this; none where every client has its own.
+    shared: Option<Arc<Shared>>,
 }
 
 #[derive(Clone, Default, PartialEq, Eq)]
@@ -47,6 +50,7 @@ impl Default for Connect {
             // Larger than any lead, so that credit does the pacing and never a window.
             stream_window: 4 << 20,
             connection_window: 16 << 20,
+            shared: None,
         }
     }
 }
@@ -62,34 +66,53 @@ impl Connect {
     #[must_use]
     pub fn with_authority(mut self, pem: impl Into<Vec<u8>>) -> Self {
         Arc::make_mut(&mut self.tls).authority = Some(pem.into());
-        self
+        self.anew()
     }
 
     /// Who this side is: its certificate and its key, as PEM.
     #[must_use]
     pub fn with_identity(mut self, certificate: impl Into<Vec<u8>>, key: impl Into<Vec<u8>>) -> Self {
         Arc::make_mut(&mut self.tls).identity = Some((certificate.into(), key.into()));
-        self
+        self.anew()
     }
 
     /// The name in the server's certificate, where it is not that of the endpoint.
     #[must_use]
     pub fn with_server_name(mut self, name: impl Into<String>) -> Self {
         Arc::make_mut(&mut self.tls).server_name = Some(name.into());
-        self
+        self.anew()
     }
 
     /// How long a connection may take: 5 s where nothing is said.
     #[must_use]
     pub fn with_timeout(self, timeout: Duration) -> Self {
-        Self { timeout, ..self }
+        Self { timeout, ..self }.anew()
     }
 
     /// How often a silent connection is asked whether it is still there, and how long it may take to answer: 10 s and 5 s
     /// where nothing is said.
     #[must_use]
     pub fn with_keepalive(self, interval: Duration, timeout: Duration) -> Self {
-        Self { keepalive_interval: interval, keepalive_timeout: timeout, ..self }
+        Self { keepalive_interval: interval, keepalive_timeout: timeout, ..self }.anew()
+    }
+
+    /// Up to `streams` clients of the same server share a connection, of all that are made by this and its clones: for a gateway of
+    /// many axes, whose messages then go out and come in together. What a network loses on the way holds up all of them, and a
+    /// server takes up to 200 streams over one connection unless it says otherwise.
+    #[must_use]
+    pub fn shared_by(self, streams: usize) -> Self {
+        Self { shared: Some(Arc::new(Shared::by(streams))), ..self }
+    }
+
+    /// With connections that nobody else uses.
+    pub(crate) fn alone(&self) -> Self {
+        Self { shared: None, ..self.clone() }
+    }
+
+    /// What is connected to otherwise is not shared with what was.
+    fn anew(self) -> Self {
+        let shared = self.shared.as_ref().map(|shared| Arc::new(shared.anew()));
+        Self { shared, ..self }
     }
 
     /// Connects to the server at `endpoint`: `http://127.0.0.1:50051`, the same without the scheme, or `https://`.
@@ -98,10 +121,15 @@ impl Connect {
     /// [`Error::Address`] where the address is none, or wants encryption and nobody vouches for servers;
     /// [`Error::Unreachable`] where nobody answers, or not who was expected.
     pub async fn to(&self, endpoint: &str) -> Result<Client, Error> {
-        Ok(Client::over(self, endpoint, self.channel(endpoint).await?))
+        let place = self.shared.as_ref().map(|shared| shared.place(endpoint));
+        let channel = match &place {
+            Some(place) => place.channel(|| self.channel(endpoint)).await?,
+            None => self.channel(endpoint).await?,
+        };
+        Ok(Client::over(self, endpoint, channel, place))
     }
 
-    /// A connection for services that this crate does not know.
+    /// A connection of its own for services that this crate does not know.
     ///
     /// # Errors
     /// Those of [`to`](Self::to).
@@ -140,6 +168,18 @@ impl Connect {
         })
     }
 }
+
+impl PartialEq for Connect {
+    /// To the same servers, by the same means: whether connections are shared is not asked.
+    fn eq(&self, other: &Self) -> bool {
+        let means = |it: &Self| {
+            (it.timeout, it.keepalive_interval, it.keepalive_timeout, it.stream_window, it.connection_window)
+        };
+        self.tls == other.tls && means(self) == means(other)
+    }
+}
+
+impl Eq for Connect {}
 
 impl fmt::Debug for Connect {
     /// Without keys.

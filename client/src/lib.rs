@@ -24,6 +24,7 @@ mod many;
 mod record;
 mod revision;
 mod setpoints;
+mod shared;
 mod starved;
 mod uplink;
 mod watch;
@@ -50,6 +51,7 @@ pub use many::{Answers, Asking};
 pub use record::Record;
 pub use revision::Revision;
 pub use setpoints::Setpoints;
+use shared::{Place, Trial};
 pub use uplink::{Next, Servers, Uplink};
 pub use watch::Watching;
 
@@ -61,6 +63,8 @@ pub struct Client {
     most_bytes: usize,
     planner: PlannerServiceClient<Traffic>,
     setpoints: SetpointServiceClient<Traffic>,
+    /// Kept on a connection that is shared.
+    place: Option<Place>,
 }
 
 /// A connection whose calls carry the trace that they belong to.
@@ -77,13 +81,14 @@ impl Client {
     }
 
     /// Over a connection that is there.
-    pub(crate) fn over(connect: &Connect, endpoint: &str, channel: Channel) -> Self {
+    pub(crate) fn over(connect: &Connect, endpoint: &str, channel: Channel, place: Option<Place>) -> Self {
         let connected = Self {
             endpoint: endpoint.into(),
             connect: connect.clone(),
             most_bytes: MAX_MESSAGE_BYTES,
             planner: PlannerServiceClient::with_interceptor(channel.clone(), Traced),
             setpoints: SetpointServiceClient::with_interceptor(channel, Traced),
+            place,
         };
         connected.with_message_limit(MAX_MESSAGE_BYTES)
     }
@@ -92,13 +97,12 @@ impl Client {
     /// end with [`Error::TooLarge`].
     #[must_use]
     pub fn with_message_limit(self, bytes: usize) -> Self {
-        let Self { endpoint, connect, most_bytes: _, planner, setpoints } = self;
+        let Self { planner, setpoints, .. } = self.clone();
         Self {
-            endpoint,
-            connect,
             most_bytes: bytes,
             planner: planner.max_decoding_message_size(bytes),
             setpoints: setpoints.max_decoding_message_size(bytes),
+            ..self
         }
     }
 
@@ -180,7 +184,8 @@ impl Client {
     /// [`Error::Unreachable`], [`Error::TooLarge`]; refusals come as the first message.
     pub async fn open(&self, open: Open) -> Result<(Reports, Link), Error> {
         let first = self.fits(proto::request_to_wire(&FromAxis::Open(Box::new(open))))?;
-        link::open(self.setpoints.clone(), &self.endpoint, first).await
+        let (reports, link) = link::open(self.setpoints.clone(), &self.endpoint, first).await?;
+        Ok((reports, link.on(self.place.clone())))
     }
 
     /// The same of what comes out of `requests`.
@@ -188,7 +193,13 @@ impl Client {
         &self,
         requests: mpsc::Receiver<pb::StreamSetpointsRequest>,
     ) -> Result<Link, Error> {
-        link::open_with(self.setpoints.clone(), &self.endpoint, requests).await
+        let link = link::open_with(self.setpoints.clone(), &self.endpoint, requests).await?;
+        Ok(link.on(self.place.clone()))
+    }
+
+    /// The connection, which takes nobody new where this is dropped and nothing has proved it.
+    pub(crate) fn on_trial(&self) -> Trial {
+        Trial::of(self.place.clone())
     }
 
     /// Does an operation on a stream that this server serves, and tells what became of it.

@@ -5,6 +5,7 @@ use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::Streaming;
 
+use crate::shared::Place;
 use crate::{Error, Traffic};
 
 /// Messages on their way to the server: reports are small, and a newer one says all that an older one did.
@@ -21,6 +22,8 @@ pub struct Reports {
 pub struct Link {
     endpoint: String,
     incoming: Streaming<pb::StreamSetpointsResponse>,
+    /// Kept on a connection that is shared, as long as the stream goes over it.
+    _place: Option<Place>,
 }
 
 pub(crate) async fn open(
@@ -43,7 +46,7 @@ pub(crate) async fn open_with(
 ) -> Result<Link, Error> {
     let response = setpoints.stream_setpoints(ReceiverStream::new(requests)).await;
     let incoming = response.map_err(|status| Error::of_planner(endpoint, &status))?.into_inner();
-    Ok(Link { endpoint: endpoint.into(), incoming })
+    Ok(Link { endpoint: endpoint.into(), incoming, _place: None })
 }
 
 impl Reports {
@@ -59,6 +62,11 @@ impl Reports {
 }
 
 impl Link {
+    /// Over a connection on which it has that place.
+    pub(crate) fn on(self, place: Option<Place>) -> Self {
+        Self { _place: place, ..self }
+    }
+
     /// What the server says next, and under which epoch; `None` when it has nothing more to say.
     ///
     /// # Errors

@@ -1,4 +1,5 @@
 use std::collections::{HashMap, VecDeque};
+use std::pin::Pin;
 use std::time::Duration;
 
 use planner::CycleTime;
@@ -6,7 +7,7 @@ use proto::stream::{FromAxis, Open, Operation, Report, ToAxis};
 use proto::{TraceContext, pb};
 use tokio::sync::mpsc;
 use tokio::task::{AbortHandle, JoinSet};
-use tokio::time::Instant;
+use tokio::time::{Instant, Sleep};
 
 use crate::failover::{Action, DEFAULT_PATIENCE, Failover, Feed, News};
 use crate::{Client, Connect, Error, Link, link};
@@ -57,6 +58,11 @@ pub struct Uplink {
     ready: VecDeque<Next>,
     /// What is to be said to servers that do not take it up just now, in order, with the epochs of their streams.
     unsent: VecDeque<(u64, FromAxis)>,
+    /// Set to when something is due, or to an earlier time: what comes puts it off nearly always, and a timer is dearer than to be
+    /// woken for nothing now and then.
+    alarm: Option<Pin<Box<Sleep>>>,
+    /// Has a server been asked?
+    has_tried: bool,
 }
 
 /// The axis's side of a stream, or of one that is being opened.
@@ -69,6 +75,17 @@ struct Line {
 
 /// A stream, and the first that its server has said.
 type FirstHeard = (Link, ToAxis);
+
+async fn first_heard(
+    client: &Client,
+    requests: mpsc::Receiver<pb::StreamSetpointsRequest>,
+) -> Result<FirstHeard, Error> {
+    let mut link = client.open_with(requests).await?;
+    match link.next().await? {
+        Some((_, message)) => Ok((link, message)),
+        None => Err(Error::Protocol("the stream ended before it was opened".into())),
+    }
+}
 
 /// What has happened.
 enum Happened {
@@ -96,6 +113,8 @@ impl Uplink {
             serving: None,
             ready: VecDeque::new(),
             unsent: VecDeque::new(),
+            alarm: None,
+            has_tried: false,
         }
     }
 
@@ -242,20 +261,28 @@ impl Uplink {
         // There is room for it.
         let _ = outgoing.try_send(proto::request_to_wire(&FromAxis::Open(Box::new(open))));
         let address = self.endpoint(endpoint).to_owned();
-        // Behind a single address there may be several servers: a connection of its own may find another.
-        let warm = if self.servers.endpoints.len() > 1 { self.warm.get(&endpoint).cloned() } else { None };
-        let connect = self.servers.connect.clone();
+        let connect = &self.servers.connect;
+        let (warm, connect) = if self.servers.endpoints.len() > 1 {
+            (self.warm.get(&endpoint).cloned(), connect.clone())
+        } else if std::mem::replace(&mut self.has_tried, true) {
+            // Behind a single address there may be several servers: a connection of its own may find another.
+            (None, connect.alone())
+        } else {
+            (None, connect.clone())
+        };
         let opening = self.opening.spawn(TraceContext::carried(async move {
             let opened = async {
                 let client = match warm {
                     Some(client) => client,
                     None => connect.to(&address).await?,
                 };
-                let mut link = client.open_with(requests).await?;
-                match link.next().await? {
-                    Some((_, message)) => Ok((link, message)),
-                    None => Err(Error::Protocol("the stream ended before it was opened".into())),
+                // Dropped where it takes too long: others are not to wait for the same connection.
+                let trial = client.on_trial();
+                let opened = first_heard(&client, requests).await;
+                if !matches!(opened, Err(Error::Unreachable { .. })) {
+                    trial.proved();
                 }
+                opened
             };
             (epoch, opened.await)
         }));
@@ -275,7 +302,7 @@ impl Uplink {
     }
 
     async fn happens(&mut self) -> Happened {
-        let Self { core, begun, warming, opening, serving, lines, unsent, .. } = self;
+        let Self { core, begun, warming, opening, serving, lines, unsent, alarm, .. } = self;
         let heard = async {
             match serving {
                 Some((epoch, link)) => Happened::Heard(*epoch, link.next().await),
@@ -309,10 +336,13 @@ impl Uplink {
             }
         };
         let woken = async {
-            match core.wake_at() {
-                Some(at) => tokio::time::sleep_until(*begun + at).await,
-                None => std::future::pending().await,
+            let Some(at) = core.wake_at() else { return std::future::pending().await };
+            let at = *begun + at;
+            let alarm = alarm.get_or_insert_with(|| Box::pin(tokio::time::sleep_until(at)));
+            if alarm.deadline() > at || alarm.is_elapsed() {
+                alarm.as_mut().reset(at);
             }
+            alarm.await;
         };
         tokio::select! {
             biased;

@@ -1,7 +1,10 @@
 //! The loop between the world and a session: turns messages into events and outputs into sends, and decides nothing.
 
 use std::collections::HashMap;
+use std::pin::Pin;
 
+use futures_util::StreamExt as _;
+use futures_util::stream::FuturesUnordered;
 use proto::stream::{FromAxis, Open, OperationResult, Phase};
 use proto::{Reason, Rejected, pb, request_from_wire, response_to_wire};
 use serving::Leaving;
@@ -10,11 +13,13 @@ use tonic::{Status, Streaming};
 
 use crate::rpc;
 use crate::session::{Answer, Event, Output, Session};
-use crate::streams::{Claim, Command, Streams};
+use crate::streams::{Claim, Command, Streams, Superseded};
 use crate::watch::{Board, Tap};
 
 type Incoming = Streaming<pb::StreamSetpointsRequest>;
-type Outgoing = mpsc::Sender<Result<pb::StreamSetpointsResponse, Status>>;
+type Told = Result<pb::StreamSetpointsResponse, Status>;
+type Outgoing = mpsc::Sender<Told>;
+type Permit<'a> = mpsc::Permit<'a, Told>;
 
 /// Serves one stream from its first message to its end.
 #[tracing::instrument(name = "session", skip_all, fields(stream = tracing::field::Empty, epoch = tracing::field::Empty))]
@@ -30,8 +35,9 @@ pub(crate) async fn drive(
         Err(rejected) => Err(rejected),
     };
     match opened {
-        Ok((session, claim, tap, epoch)) => {
-            serve(session, claim, tap, epoch, incoming, outgoing, leaving).await
+        Ok((session, (claim, superseded), tap, epoch)) => {
+            let turns = turns(superseded, &leaving);
+            serve(session, claim, tap, epoch, (incoming, turns), outgoing).await
         }
         // Nobody to tell is not a failure.
         Err(rejected) => {
@@ -57,7 +63,7 @@ fn begin(
     streams: &Streams,
     board: &Board,
     served_by: &str,
-) -> Result<(Session, Claim, Tap, u64), Rejected> {
+) -> Result<(Session, (Claim, Superseded), Tap, u64), Rejected> {
     let (stream, epoch, executed) = (open.stream.clone(), open.epoch, open.executed_cycle);
     tracing::Span::current().record("stream", stream.as_str()).record("epoch", epoch);
     streams.admit(&open)?;
@@ -74,27 +80,24 @@ async fn serve(
     mut claim: Claim,
     mut tap: Tap,
     epoch: u64,
-    mut incoming: Incoming,
+    (mut incoming, mut turns): (Incoming, Turns),
     outgoing: Outgoing,
-    leaving: Leaving,
 ) {
-    let (mut superseded, mut drained) = (false, false);
     let mut commanders = Commanders::default();
     while !session.is_over() {
+        // As much as there is room for goes out before anything is waited for.
+        while session.has_output()
+            && let Ok(permit) = outgoing.try_reserve()
+        {
+            send(&mut session, &tap, epoch, permit);
+        }
+        if session.is_over() {
+            break;
+        }
         tokio::select! {
             // Reports first: what an axis has just said decides what it is sent.
             biased;
-            newer = &mut claim.superseded, if !superseded => {
-                superseded = true;
-                if let Ok(by) = newer {
-                    session.handle(Event::Superseded { by });
-                }
-            }
-            () = leaving.begun(), if !drained => {
-                drained = true;
-                session.handle(Event::Drain);
-            }
-            () = leaving.due(), if !session.is_ending() => session.handle(Event::Leave),
+            Some(turn) = turns.next() => turn.into_iter().for_each(|event| session.handle(event)),
             mut event = next_event(&mut incoming), if !session.is_ending() && !session.is_full() => {
                 let glance = tap.before(&session, &mut event);
                 session.handle(event);
@@ -108,17 +111,7 @@ async fn serve(
             }
             permit = outgoing.reserve(), if session.has_output() => {
                 let Ok(permit) = permit else { return };
-                match session.poll_output() {
-                    Some(Output::Send(message)) => {
-                        tap.said(&message);
-                        permit.send(Ok(response_to_wire(epoch, message)));
-                    }
-                    Some(Output::End(Err(rejected))) => {
-                        tracing::info!(reason = %rejected.reason, "stream ended");
-                        permit.send(Err(rejected.into()));
-                    }
-                    Some(Output::End(Ok(()))) | None => {}
-                }
+                send(&mut session, &tap, epoch, permit);
             }
         }
         while let Some(answer) = session.poll_answer() {
@@ -127,6 +120,42 @@ async fn serve(
     }
     claim.finished = session.phase() == Phase::Finished;
     tracing::info!(phase = ?session.phase(), "stream closed");
+}
+
+/// What happens to a stream once, if at all. It is looked at when it happens, and not with every message.
+type Turns = FuturesUnordered<Pin<Box<dyn Future<Output = Option<Event>> + Send>>>;
+
+fn turns(superseded: Superseded, leaving: &Leaving) -> Turns {
+    let (soon, now) = (leaving.clone(), leaving.clone());
+    let superseded = async { superseded.await.ok().map(|by| Event::Superseded { by }) };
+    let drained = async move {
+        soon.begun().await;
+        Some(Event::Drain)
+    };
+    let left = async move {
+        now.due().await;
+        Some(Event::Leave)
+    };
+    let turns = Turns::new();
+    turns.push(Box::pin(superseded));
+    turns.push(Box::pin(drained));
+    turns.push(Box::pin(left));
+    turns
+}
+
+/// Sends what the session has to say next.
+fn send(session: &mut Session, tap: &Tap, epoch: u64, permit: Permit<'_>) {
+    match session.poll_output() {
+        Some(Output::Send(message)) => {
+            tap.said(&message);
+            permit.send(Ok(response_to_wire(epoch, message)));
+        }
+        Some(Output::End(Err(rejected))) => {
+            tracing::info!(reason = %rejected.reason, "stream ended");
+            permit.send(Err(rejected.into()));
+        }
+        Some(Output::End(Ok(()))) | None => {}
+    }
 }
 
 /// Those who wait to hear what became of their operation.

@@ -44,6 +44,9 @@ pub(crate) struct Command {
     pub(crate) answer: oneshot::Sender<Result<OperationResult, Rejected>>,
 }
 
+/// Completes with the newer epoch when a stream is opened again.
+pub(crate) type Superseded = oneshot::Receiver<u64>;
+
 /// Commands on their way to a session.
 const COMMANDS: usize = 16;
 
@@ -53,8 +56,6 @@ pub(crate) struct Claim {
     streams: Streams,
     stream: String,
     epoch: u64,
-    /// Completes with the newer epoch when the stream is opened again.
-    pub(crate) superseded: oneshot::Receiver<u64>,
     /// What others ask for.
     pub(crate) commands: mpsc::Receiver<Command>,
     /// Has its motion come to its end?
@@ -88,7 +89,7 @@ impl Streams {
     }
 
     /// Takes `stream` for `epoch`, away from any older epoch.
-    pub(crate) fn claim(&self, stream: String, epoch: u64) -> Result<Claim, Rejected> {
+    pub(crate) fn claim(&self, stream: String, epoch: u64) -> Result<(Claim, Superseded), Rejected> {
         self.caller.may_use(&stream)?;
         let (sender, superseded) = oneshot::channel();
         let (commander, commands) = mpsc::channel(COMMANDS);
@@ -119,7 +120,8 @@ impl Streams {
         finished.forget(&stream);
         self.figures.opened(open.len());
         drop(known);
-        Ok(Claim { streams: self.clone(), stream, epoch, superseded, commands, finished: false })
+        let claim = Claim { streams: self.clone(), stream, epoch, commands, finished: false };
+        Ok((claim, superseded))
     }
 
     /// Asks for an operation on `stream`, and waits for what becomes of it.

@@ -129,20 +129,66 @@ impl Connected for Connection {
 }
 
 /// A wait that begins when there is something to wait for, and begins again with each piece that comes.
+///
+/// The timer is set once a wait and not once a piece: where something has come in the meantime it is set again when it is up.
 #[derive(Debug, Default)]
-pub(crate) struct Patience(Option<Pin<Box<Sleep>>>);
+pub(crate) struct Patience {
+    timer: Option<Pin<Box<Sleep>>>,
+    /// Since when nothing has come; `None` where nobody waits.
+    since: Option<Instant>,
+}
 
 impl Patience {
     /// Nothing has come: is it time to go? `None` waits for ever.
     pub(crate) fn poll_over(&mut self, cx: &mut Context<'_>, after: Option<Duration>) -> Poll<()> {
         let Some(after) = after else { return Poll::Pending };
-        let waiting =
-            self.0.get_or_insert_with(|| Box::pin(tokio::time::sleep_until(Instant::now() + after)));
-        waiting.as_mut().poll(cx)
+        let over = *self.since.get_or_insert_with(Instant::now) + after;
+        let timer = self.timer.get_or_insert_with(|| Box::pin(tokio::time::sleep_until(over)));
+        if timer.deadline() > over {
+            // A shorter patience than before.
+            timer.as_mut().reset(over);
+        }
+        loop {
+            ready!(timer.as_mut().poll(cx));
+            if timer.deadline() >= over {
+                return Poll::Ready(());
+            }
+            timer.as_mut().reset(over);
+        }
     }
 
     /// Something has come.
     pub(crate) fn again(&mut self) {
-        self.0 = None;
+        self.since = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test(start_paused = true)]
+    async fn patience_lasts_from_the_last_piece() {
+        let (second, zero) = (Duration::from_secs(1), Instant::now());
+        let mut patience = Patience::default();
+        let wait = async |patience: &mut Patience, after| {
+            std::future::poll_fn(|cx| patience.poll_over(cx, Some(after))).await;
+            zero.elapsed()
+        };
+        assert!(tokio::time::timeout(second / 2, wait(&mut patience, second)).await.is_err());
+        let lasts = |from: Duration, of: Duration, until: Duration| {
+            // A timer is up within the next millisecond.
+            let late = until.checked_sub(from + of).expect("not before its time");
+            assert!(late <= Duration::from_millis(1), "{late:?} late");
+            until
+        };
+        let heard = zero.elapsed();
+        patience.again();
+        let over = lasts(heard, second, wait(&mut patience, second).await);
+        patience.again();
+        // A shorter one is up earlier, a longer one later.
+        let over = lasts(over, second / 4, wait(&mut patience, second / 4).await);
+        patience.again();
+        lasts(over, second, wait(&mut patience, second).await);
     }
 }

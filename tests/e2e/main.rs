@@ -24,6 +24,7 @@ mod pvt;
 mod rehearsed;
 mod rehearsed_paths;
 mod secured;
+mod shared;
 mod side_port;
 mod simulated;
 mod standing_services;

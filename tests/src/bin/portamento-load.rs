@@ -14,10 +14,10 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 use client::failover::{Change, Feed, News};
-use client::{Buffer, Next, Revision, Servers, Standing, Uplink};
+use client::{Buffer, Connect, Next, Revision, Servers, Standing, Uplink};
 use e2e::{Process, cpu, move_of, open, planned};
 use planner::{Accepted, Setpoint};
-use proto::stream::{Motion, Open, Refused};
+use proto::stream::{Ask, Motion, Open, Operation, Refused};
 use serde_json::{Value, json};
 use tokio::sync::mpsc;
 
@@ -37,6 +37,12 @@ struct Args {
     /// How far ahead an axis holds its setpoints [cycles].
     #[arg(long, default_value_t = 100, value_name = "CYCLES")]
     lead: u32,
+    /// Operations a second, of all axes together: overrides, timed from asking to the answer that says that the axis plays by it.
+    #[arg(long, default_value_t = 0.0, value_name = "PER_SECOND")]
+    operations: f64,
+    /// Axes that share a connection to a server and a beat of reports, as those of one gateway may.
+    #[arg(long, default_value_t = 1, value_name = "COUNT")]
+    sharing: usize,
     /// Kill no server.
     #[arg(long)]
     no_kill: bool,
@@ -104,6 +110,16 @@ fn print_row(row: &Value) {
         number("axesCpu"),
         number("kibPerStream")
     );
+    if row["operations"] != 0 {
+        println!(
+            "       {} operations confirmed after: p50 {:.1}, p99 {:.1}, max {:.1} ms; refused {}",
+            row["operations"],
+            number("operationP50Ms"),
+            number("operationP99Ms"),
+            number("operationMaxMs"),
+            row["operationsRefused"]
+        );
+    }
 }
 
 /// What axes have seen, all together.
@@ -113,7 +129,15 @@ struct Tally {
     played: AtomicU64,
     underruns: AtomicU64,
     refused: AtomicU64,
+    operations_refused: AtomicU64,
     over: AtomicBool,
+}
+
+/// What is told of an axis's stream.
+enum Told {
+    FailedOver(Change),
+    /// An operation, and how long it took to its answer.
+    Confirmed(Duration),
 }
 
 fn run(args: &Args, axes: usize) -> Result<Value, Failed> {
@@ -123,9 +147,13 @@ fn run(args: &Args, axes: usize) -> Result<Value, Failed> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let tally = Arc::new(Tally::default());
     let plan = planned(move_of(0.25 * (args.seconds + 60) as f64, 0.25));
-    let (changes, mut changed) = mpsc::unbounded_channel();
+    let (told, mut heard) = mpsc::unbounded_channel();
+    let every = (args.operations > 0.0).then(|| Duration::from_secs_f64(axes as f64 / args.operations));
     let (ends, mut least_leads) = mpsc::unbounded_channel();
+    let connect = if args.sharing > 1 { Connect::new().shared_by(args.sharing) } else { Connect::new() };
+    let servers = Servers { connect, ..Servers::at(endpoints) };
     runtime.block_on(async {
+        let zero = tokio::time::Instant::now();
         for axis_number in 0..axes {
             let open = Open {
                 batch_cycles: args.batch,
@@ -133,9 +161,14 @@ fn run(args: &Args, axes: usize) -> Result<Value, Failed> {
                 ..open(&format!("load/{axis_number}"), plan.clone())
             };
             let axis = Axis {
-                uplink: Uplink::new(Servers::at(endpoints.clone()), open.clone(), plan.plan().cycle_time()),
+                uplink: Uplink::new(servers.clone(), open.clone(), plan.plan().cycle_time()),
+                // Gateways are out of step with each other.
+                beat_from: zero
+                    + batch(&open)
+                        .mul_f64((gateway(args, axis_number) / (gateway(args, axes - 1) + 1.0)).fract()),
                 tally: Arc::clone(&tally),
-                changes: changes.clone(),
+                told: told.clone(),
+                operations: Operations::new(axis_number, every),
             };
             let ends = ends.clone();
             let plan = plan.clone();
@@ -147,7 +180,7 @@ fn run(args: &Args, axes: usize) -> Result<Value, Failed> {
             // One after the other: a thousand that begin at once are another question.
             wait(Duration::from_millis(5)).await;
         }
-        drop((changes, ends));
+        drop((told, ends));
         let mut look = tokio::time::interval(Duration::from_millis(10));
         while (tally.opened.load(Ordering::Relaxed) as usize) < axes {
             look.tick().await;
@@ -175,12 +208,16 @@ fn run(args: &Args, axes: usize) -> Result<Value, Failed> {
         while let Some(lead) = least_leads.recv().await {
             least = least.min(lead);
         }
-        let mut times: Vec<f64> = Vec::new();
-        while let Ok(change) = changed.try_recv() {
-            times.push(change.took.as_secs_f64() * 1e3);
+        let (mut times, mut operations): (Vec<f64>, Vec<f64>) = Default::default();
+        while let Ok(told) = heard.try_recv() {
+            match told {
+                Told::FailedOver(change) => times.push(change.took.as_secs_f64() * 1e3),
+                Told::Confirmed(took) => operations.push(took.as_secs_f64() * 1e3),
+            }
         }
-        times.sort_by(f64::total_cmp);
-        let at = |share: f64| times.get(((times.len().max(1) - 1) as f64 * share) as usize).copied();
+        for times in [&mut times, &mut operations] {
+            times.sort_by(f64::total_cmp);
+        }
         Ok(json!({
             "axes": axes,
             "seconds": took,
@@ -191,13 +228,23 @@ fn run(args: &Args, axes: usize) -> Result<Value, Failed> {
             "refusedBatches": tally.refused.load(Ordering::Relaxed),
             "leastLeadCycles": least,
             "failovers": times.len(),
-            "failoverP50Ms": at(0.5),
-            "failoverMaxMs": at(1.0),
+            "failoverP50Ms": at(&times, 0.5),
+            "failoverMaxMs": at(&times, 1.0),
+            "operations": operations.len(),
+            "operationsRefused": tally.operations_refused.load(Ordering::Relaxed),
+            "operationP50Ms": at(&operations, 0.5),
+            "operationP99Ms": at(&operations, 0.99),
+            "operationMaxMs": at(&operations, 1.0),
             "serverCpu": half.1 / half.0,
             "axesCpu": axes_cpu,
             "kibPerStream": loaded.saturating_sub(empty) as f64 / axes as f64,
         }))
     })
+}
+
+/// Of times in order, the one that a share is not above; none of none.
+fn at(times: &[f64], share: f64) -> Option<f64> {
+    times.get((times.len().saturating_sub(1) as f64 * share) as usize).copied()
 }
 
 /// Nothing happens for so long.
@@ -209,7 +256,45 @@ async fn wait(time: Duration) {
 struct Axis {
     uplink: Uplink,
     tally: Arc<Tally>,
-    changes: mpsc::UnboundedSender<Change>,
+    told: mpsc::UnboundedSender<Told>,
+    operations: Operations,
+    /// Reports go out at whole batches from here on.
+    beat_from: tokio::time::Instant,
+}
+
+/// The overrides that an axis asks for, one after the other.
+struct Operations {
+    axis: usize,
+    every: Option<Duration>,
+    asked: u32,
+    /// Since when an answer is waited for.
+    waits: Option<Instant>,
+}
+
+impl Operations {
+    fn new(axis: usize, every: Option<Duration>) -> Self {
+        Self { axis, every, asked: 0, waits: None }
+    }
+
+    /// When to ask; at another phase of the batches for each axis.
+    fn clock(&self) -> tokio::time::Interval {
+        let every = self.every.unwrap_or(Duration::MAX / 4);
+        let first = tokio::time::Instant::now() + every.mul_f64((self.axis as f64 * 0.618).fract());
+        let mut clock = tokio::time::interval_at(first, every);
+        clock.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+        clock
+    }
+
+    /// The next one; none while one is not answered.
+    fn next(&mut self) -> Option<Operation> {
+        if self.waits.is_some() {
+            return None;
+        }
+        self.asked += 1;
+        self.waits = Some(Instant::now());
+        let factor = if self.asked.is_multiple_of(2) { 1.0 } else { 0.7 };
+        Some(Operation::now(format!("{}", self.asked), Ask::Override(factor)))
+    }
 }
 
 impl Axis {
@@ -226,13 +311,19 @@ impl Axis {
         });
         buffer.motion_ends_at(motion.last_cycle());
         self.tally.opened.fetch_add(1, Ordering::Relaxed);
-        let batch = Duration::from_millis(u64::from(open.batch_cycles));
         let (mut began, mut heeded) = (None, 0);
-        let mut reports = tokio::time::interval(batch);
+        let mut reports = beat(self.beat_from, batch(open));
+        let (asks_at_all, mut asks) = (self.operations.every.is_some(), self.operations.clock());
         while !self.tally.over.load(Ordering::Relaxed) {
             let next = tokio::select! {
                 next = self.uplink.next() => Some(next),
                 _ = reports.tick() => None,
+                _ = asks.tick(), if asks_at_all && began.is_some() => {
+                    if let Some(operation) = self.operations.next() {
+                        self.uplink.operate(operation);
+                    }
+                    continue;
+                }
             };
             if began.is_none() && buffer.is_ready() {
                 began = Some(Instant::now());
@@ -246,8 +337,10 @@ impl Axis {
             let mut refused = None;
             let is_due = match next {
                 Some(Next::Feed(Feed::Batch(epoch, mut batch))) => {
+                    let adopted = buffer.revision();
                     refused = buffer.accept(epoch, &mut batch).err();
-                    refused.is_some()
+                    // Who waits for an operation is answered when its revision is adopted.
+                    refused.is_some() || buffer.revision() != adopted
                 }
                 Some(Next::Feed(Feed::Revised(epoch, revision))) => {
                     buffer.announce(epoch, revision);
@@ -268,7 +361,16 @@ impl Axis {
                 }
                 Some(Next::News(News::FailedOver(change))) => {
                     // Nobody to tell is not a failure.
-                    let _ = self.changes.send(change);
+                    let _ = self.told.send(Told::FailedOver(change));
+                    false
+                }
+                Some(Next::News(News::Answer(_, answer))) => {
+                    if let Some(asked) = self.operations.waits.take() {
+                        match answer {
+                            Ok(_) => drop(self.told.send(Told::Confirmed(asked.elapsed()))),
+                            Err(_) => drop(self.tally.operations_refused.fetch_add(1, Ordering::Relaxed)),
+                        }
+                    }
                     false
                 }
                 Some(Next::News(News::Over(_))) => break,
@@ -313,6 +415,22 @@ impl Axis {
             }
         }
     }
+}
+
+/// The time that a batch lasts.
+fn batch(open: &Open) -> Duration {
+    Duration::from_millis(u64::from(open.batch_cycles))
+}
+
+/// The gateway of an axis.
+fn gateway(args: &Args, axis: usize) -> f64 {
+    (axis / args.sharing.max(1)) as f64
+}
+
+/// Whole periods from `zero` on, beginning with the next.
+fn beat(zero: tokio::time::Instant, period: Duration) -> tokio::time::Interval {
+    let past = zero.elapsed().div_duration_f64(period).ceil();
+    tokio::time::interval_at(zero + period.mul_f64(past), period)
 }
 
 fn served_by(name: &str) -> Result<Process, Failed> {
