@@ -289,6 +289,28 @@ fn what_a_session_leaves_undone_the_next_one_is_asked() {
     assert_eq!(stage.answers, [("slower".to_owned(), Ok(()))]);
 }
 
+/// Else the axis would ask one server after the other for it, for ever.
+#[test]
+fn what_makes_every_server_say_what_cannot_be_read_is_asked_for_no_more() {
+    let mut stage = Stage::served(2);
+    stage.core.operate(Operation::now("poison", Ask::Override(0.5)));
+    stage.act();
+    for server in ["b", "c", "d"] {
+        assert!(stage.answers.is_empty());
+        stage.core.ended(stage.now, stage.serving(), Err(Error::Protocol("no such piece".into())));
+        stage.act();
+        while stage.tried.is_empty() {
+            stage.wait(1);
+        }
+        stage.opens(server);
+    }
+    assert_eq!(stage.answers, [("poison".to_owned(), Err(Reason::NotConfirmed))]);
+    let asked =
+        |(to, said): &&(u64, FromAxis)| *to == stage.serving() && matches!(said, FromAxis::Operation(_));
+    assert_eq!(stage.said.iter().filter(asked).count(), 0, "the stream goes on without it");
+    assert_eq!(stage.over, None);
+}
+
 #[test]
 fn what_nobody_has_done_is_answered_when_all_is_over() {
     let mut stage = Stage::served(1);

@@ -15,11 +15,11 @@ async fn with_connections(most: usize) -> Loopback {
 async fn four_streams_go_over_one_connection() {
     let server = with_connections(1).await;
     let connect = Connect::new().shared_by(4);
+    let servers = Servers { connect: connect.clone(), ..Servers::at(vec![server.endpoint()]) };
     let plan = planned(fifty_millimetres());
     let mut streams = Vec::new();
     for axis in ["a", "b", "c", "d"] {
-        let client = connect.to(&server.endpoint()).await.unwrap();
-        streams.push(Setpoints::open(&client, open(axis, plan.clone())).await.unwrap());
+        streams.push(Setpoints::open_at(servers.clone(), open(axis, plan.clone())).await.unwrap());
     }
     let fifth = connect.to(&server.endpoint()).await;
     let answered = match fifth {

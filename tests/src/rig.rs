@@ -1,4 +1,5 @@
-//! A session and an axis's buffer without a network: one thread, simulated time, messages that take as long as a test says.
+//! A session and an axis's buffer without a network: one thread, simulated time, messages that take as long as a test says and
+//! cross over as they do on the wire.
 
 use std::collections::VecDeque;
 
@@ -6,7 +7,7 @@ use client::{Buffer, Revision, Standing};
 use planner::motion::{Motion as UnderWay, Operation as Planned};
 use planner::{Plan, Setpoint};
 use proto::stream::{FromAxis, Open, Operation, OperationResult, Report, Source, StreamEvent, ToAxis};
-use proto::{Digest, Rejected};
+use proto::{Digest, Rejected, request_from_wire, request_to_wire, response_from_wire, response_to_wire};
 use server::session::{Event, Output, Session};
 
 /// What became of an operation.
@@ -182,6 +183,7 @@ impl Rig {
         while let Some(output) = self.session.poll_output() {
             match output {
                 Output::Send(message) => {
+                    let message = over_the_wire(self.epoch, message);
                     let due = self.arrives(self.to_axis.back().map(|last| last.0));
                     self.to_axis.push_back((due, message));
                 }
@@ -194,6 +196,13 @@ impl Rig {
     }
 
     fn say(&mut self, event: Event) {
+        let event = match event {
+            Event::FromAxis(message) => match request_from_wire(request_to_wire(&message)) {
+                Ok(message) => Event::FromAxis(message),
+                Err(rejected) => Event::Unreadable(rejected),
+            },
+            event => event,
+        };
         let due = self.arrives(self.to_server.back().map(|last| last.0));
         self.to_server.push_back((due, event));
     }
@@ -242,6 +251,13 @@ impl Rig {
         (self.reported, self.told_revision) = (report.executed_cycle, report.revision);
         self.say(Event::FromAxis(FromAxis::Report(report)));
     }
+}
+
+/// What an axis reads of what a server says. Whatever a session sends can be read.
+fn over_the_wire(epoch: u64, message: ToAxis) -> ToAxis {
+    let (said, message) = response_from_wire(response_to_wire(epoch, message)).expect("it can be read");
+    assert_eq!(said, epoch);
+    message
 }
 
 /// The first cycle at which two runs differ, with what each has there; `None` where neither has more than the other.

@@ -145,6 +145,10 @@ const FAREWELL: Duration = Duration::from_secs(1);
 /// How many batches of a server in a row the axis refuses before another is asked: it has sent again what came wrong once.
 const MOST_REFUSALS: u32 = 2;
 
+/// How many servers in a row may say what cannot be read while operations are asked for, before it is taken for what they make of
+/// those: whoever is asked next would say it again.
+const MOST_UNREADABLE: u32 = 3;
+
 /// The server of a stream, and the search for another.
 #[derive(Debug)]
 pub struct Failover {
@@ -180,6 +184,8 @@ pub struct Failover {
     granted: u64,
     /// Batches that were refused since it does.
     refusals: u32,
+    /// Servers that have said what cannot be read since an operation was answered.
+    unreadable: u32,
     actions: VecDeque<Action>,
 }
 
@@ -220,6 +226,7 @@ impl Failover {
             fed_to: 0,
             granted: 0,
             refusals: 0,
+            unreadable: 0,
             actions: VecDeque::new(),
         };
         if endpoints == 0 {
@@ -322,8 +329,7 @@ impl Failover {
                 }
             }
             ToAxis::Result(result) => {
-                self.unanswered.retain(|operation| operation.request_id != result.request_id);
-                self.tell(News::Answer(result.request_id.clone(), Ok(result)));
+                self.answer(result.request_id.clone(), Ok(result));
             }
             ToAxis::Refusal(OperationRefusal { request_id, rejected }) => {
                 // What a session leaves undone, the next one is asked again; and an axis that looks for another server begins no
@@ -333,8 +339,7 @@ impl Failover {
                 if again {
                     return self.undone.push((request_id, rejected));
                 }
-                self.unanswered.retain(|operation| operation.request_id != request_id);
-                self.tell(News::Answer(request_id, Err(rejected)));
+                self.answer(request_id, Err(rejected));
             }
         }
     }
@@ -371,8 +376,33 @@ impl Failover {
         }
         let too_early = || Error::Protocol("the stream ended before the motion did".into());
         let cause = how.err().unwrap_or_else(too_early);
+        if let Error::Protocol(problem) = &cause {
+            self.count_unreadable(problem);
+        }
         self.lost_for = self.endpoint().map(|endpoint| Failure { endpoint, cause });
         self.look_elsewhere(now, Cause::Lost);
+    }
+
+    /// A server broke the protocol. Where that goes on, operations are to blame, and are asked for no more.
+    fn count_unreadable(&mut self, problem: &str) {
+        self.unreadable += 1;
+        if self.unreadable < MOST_UNREADABLE || self.unanswered.is_empty() {
+            return;
+        }
+        self.unreadable = 0;
+        self.undone.clear();
+        let text =
+            format!("{MOST_UNREADABLE} servers in a row have made of it what cannot be read: {problem}");
+        for Operation { request_id, .. } in std::mem::take(&mut self.unanswered) {
+            self.tell(News::Answer(request_id, Err(Rejected::new(Reason::NotConfirmed, text.clone()))));
+        }
+    }
+
+    /// What became of an operation.
+    fn answer(&mut self, request_id: String, answer: Result<OperationResult, Rejected>) {
+        self.unreadable = 0;
+        self.unanswered.retain(|operation| operation.request_id != request_id);
+        self.tell(News::Answer(request_id, answer));
     }
 
     /// The axis says how far it is; `heeded` counts the times that it was told to begin no revision, and does not.
@@ -480,8 +510,7 @@ impl Failover {
         }
         self.over = true;
         for (request_id, rejected) in std::mem::take(&mut self.undone) {
-            self.unanswered.retain(|operation| operation.request_id != request_id);
-            self.tell(News::Answer(request_id, Err(rejected)));
+            self.answer(request_id, Err(rejected));
         }
         self.tell(News::Over(how));
     }

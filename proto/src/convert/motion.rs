@@ -28,14 +28,14 @@ pub(super) fn motion_from_wire(wire: Option<pb::Motion>) -> Result<Motion, Rejec
         Rejected::for_field("motion.override_factor", Reason::OverrideOutOfRange, refused.to_string())
     })?;
     let base_time = base_time_from_wire(base_time).map_err(|invalid| within("motion", invalid))?;
-    let made = if base_time.is_some() { Made::Retimed } else { Made::Spliced };
+    let made = if revision > 0 { Made::OperatedOn } else { Made::Planned };
     let parts = MotionParts {
         revision,
         from_cycle,
         plan: spliced_in("motion.plan", plan, made)?,
         factor,
         phase: phase_from_wire(phase).map_err(|why| of_field("motion.phase", why))?,
-        base: base.map(|base| spliced_in("motion.base", Some(base), Made::Spliced)).transpose()?,
+        base: base.map(|base| spliced_in("motion.base", Some(base), Made::Planned)).transpose()?,
         base_time,
         closing_from_cycle,
     };
@@ -83,10 +83,10 @@ fn base_time_to_wire(law: &TimeLaw) -> Vec<pb::AxisSegment> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Made {
     /// As any other, or by a splice.
-    Spliced,
-    /// The base under another law of time: its method is the base's, its pieces are of a higher degree, and what they keep is what it
-    /// says, which the judge holds it to.
-    Retimed,
+    Planned,
+    /// Perhaps by another law of time: then its method is that of the path, its pieces are of a higher degree, and what they keep is what
+    /// it says, which the judge holds it to. It may be played on where the path is forgotten, by a stop or for other goals.
+    OperatedOn,
 }
 
 /// The plan of a motion in the field called `field`, accepted as any other; but what was spliced into a motion whose
@@ -96,8 +96,8 @@ fn spliced_in(field: &str, wire: Option<pb::Plan>, made: Made) -> Result<Accepte
     let plan = accepted(field, plan)?;
     let jumps = jumps_into_its_start(plan.plan());
     let excused = |name: &str| match name {
-        "guaranteed" => jumps || made == Made::Retimed,
-        _ => made == Made::Retimed && name.starts_with("method."),
+        "guaranteed" => jumps || made == Made::OperatedOn,
+        _ => made == Made::OperatedOn && name.starts_with("method."),
     };
     let mut wrong = InvalidFields::default();
     for invalid in misstated.as_slice().iter().filter(|invalid| !excused(invalid.field.as_str())) {
