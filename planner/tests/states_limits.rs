@@ -127,6 +127,54 @@ proptest! {
         }
     }
 
+    /// Never slower than to stop and to go on from there, which anybody could ask for one after the other.
+    #[test]
+    fn never_slower_than_by_way_of_rest(asked in of_one_size()) {
+        let asked = tame(&asked);
+        let limits = limits(&asked);
+        let planned = plan_between(asked.start, asked.goal, &limits).unwrap();
+        let stop = plan_stop(asked.start, &limits).unwrap();
+        if let Ok(on) = plan_between(stop.reached(), asked.goal, &limits) {
+            let by_rest = stop.duration() + on.duration();
+            prop_assert!(planned.duration() <= by_rest * (1.0 + 1e-9), "{:?}: {} and {by_rest}", asked, planned.duration());
+        }
+    }
+
+    /// Run backwards, what speeds up slows down.
+    #[test]
+    fn backwards_it_takes_as_long(asked in of_one_size()) {
+        let asked = tame(&asked);
+        let limits = limits(&asked);
+        let planned = plan_between(asked.start, asked.goal, &limits).unwrap().duration();
+        let back = asked.reversed();
+        let exchanged = LimitsSpec {
+            max_acceleration: limits.deceleration(),
+            max_deceleration: Some(limits.acceleration()),
+            ..limits.spec().clone()
+        };
+        let back = plan_between(back.start, back.goal, &exchanged.try_into().unwrap()).unwrap().duration();
+        prop_assert!((planned - back).abs() <= 1e-9 * planned, "{:?}: {planned} and {back}", asked);
+    }
+
+    /// More room never costs time.
+    #[test]
+    fn slack_never_lengthens(asked in of_one_size(), room in prop::array::uniform5(1.0..1.5f64)) {
+        let asked = tame(&asked);
+        let limits = limits(&asked);
+        let [forward, reverse, up, down, jerk] = room;
+        let wider = LimitsSpec {
+            max_velocity: forward * limits.velocity_forward(),
+            max_velocity_reverse: Some(reverse * limits.velocity_reverse()),
+            max_acceleration: up * limits.acceleration(),
+            max_deceleration: Some(down * limits.deceleration()),
+            max_jerk: jerk * limits.jerk(),
+            ..limits.spec().clone()
+        };
+        let planned = plan_between(asked.start, asked.goal, &limits).unwrap().duration();
+        let faster = plan_between(asked.start, asked.goal, &wider.try_into().unwrap()).unwrap().duration();
+        prop_assert!(faster <= planned * (1.0 + 1e-9), "{:?} {room:?}: {planned} and {faster}", asked);
+    }
+
     /// The stop of the service, from a state with acceleration.
     #[test]
     fn stops_while_accelerating(asked in of_one_size()) {

@@ -22,7 +22,7 @@ use planner::generator::{AxisLimits, Generator};
 use planner::motion::{AxisGoal, Motion, Operation, Override};
 use planner::{
     AxisKind, AxisMoveSpec, AxisTransfer, Bounds, BoundsSpec, CycleTime, Family, GREATEST_MAGNITUDE, Judged,
-    LAST_CYCLE, LEAST_LIMIT, LONGEST, LimitCheck, Limits, LimitsSpec, NoSuchDuration, Quantity, Request,
+    LAST_CYCLE, LEAST_LIMIT, LONGEST, Law, LimitCheck, Limits, LimitsSpec, NoSuchDuration, Quantity, Request,
     RequestSpec, ShortPathPolicy, State, Synchronization, TimeLaw, Timing, Transfer, Transit, Violation, Why,
     certify, plan_between, plan_transfer, plan_velocity, retime, together, transfer_violations, violations,
 };
@@ -171,6 +171,17 @@ fn legal(planned: &Transit, asked: &Transfer) {
     }
     let found = transfer_violations(&planned.to_profile(), asked.bounds(), asked.goal());
     assert_eq!(found, [], "{asked:?}: {planned:?}");
+}
+
+/// With the jerk that the axis has on the line, by which it is led back where it begins beyond its bounds.
+fn on_its_line(asked: &Transfer, planned: &Transit) -> Transfer {
+    let jerks = planned.segments().into_iter().filter_map(|segment| match segment.law {
+        Law::ConstantJerk(jerk) => Some(jerk.abs()),
+        _ => None,
+    });
+    let max_jerk = jerks.fold(0.0, f64::max);
+    let bounds = Bounds::try_from(BoundsSpec { max_jerk, ..*asked.bounds().spec() });
+    bounds.ok().and_then(|bounds| Transfer::new(asked.start(), asked.goal(), bounds).ok()).unwrap_or(*asked)
 }
 
 /// The judge of limits lets nothing begin beyond them; what does, a plan's certificate says.
@@ -347,7 +358,10 @@ fn several_axes(count: u32, seed: u64, decades: f64) {
             };
             assert!(agreed.duration <= LONGEST && agreed.duration >= timing.minimum_duration * (1.0 - 1e-15));
             for (transit, asked) in transits.iter().zip(&drawn) {
-                legal(transit, asked);
+                legal(
+                    transit,
+                    &if how == Synchronization::Phase { on_its_line(asked, transit) } else { *asked },
+                );
             }
         }
     }

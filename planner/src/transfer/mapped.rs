@@ -13,6 +13,7 @@
 use super::axis::AxisTransfer;
 use super::bounds::{Bounds, BoundsSpec};
 use super::transit::Transit;
+use super::turning::{Turn, Turning, does_turn};
 use super::{Names, Transfer, by_rest, note_goal, plan_velocity, transit_of};
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::{largest, least};
@@ -66,12 +67,39 @@ pub(super) fn fastest(start: State, goal: State, limits: &Limits) -> Result<Tran
     if planned.is_err() && by_rest::is_too_hard(&goal, limits) {
         return by_rest::motion(start, goal, limits, None).map_or(planned, Ok);
     }
-    planned
+    match planned {
+        Ok(planned) if tells_apart(limits) && does_turn(&planned) => {
+            // A hard turn where it is not needed may cost a run-up that rest does not.
+            let turning = [Turn::Hard, Turn::AtRest].into_iter().filter_map(|turn| {
+                Turning::fastest(start, goal, limits, turn).and_then(|turning| turning.joined(0.0))
+            });
+            Ok(turning.fold(
+                planned,
+                |best, turning| {
+                    if turning.duration() < best.duration() { turning } else { best }
+                },
+            ))
+        }
+        planned => planned,
+    }
 }
 
-/// As [`fastest`], by way of rest, where nothing else is known to lead to the goal in any longer time.
+/// Do speeding up and slowing down have limits of their own?
+fn tells_apart(limits: &Limits) -> bool {
+    limits.acceleration().to_bits() != limits.deceleration().to_bits()
+}
+
+/// As [`fastest`], by way of rest, where nothing else is known to lead to the goal in any longer time, or that in less.
 pub(super) fn by_way_of_rest(start: State, goal: State, limits: &Limits) -> Option<Transit> {
-    by_rest::is_too_hard(&goal, limits).then(|| by_rest::motion(start, goal, limits, None)).flatten()
+    if by_rest::is_too_hard(&goal, limits) {
+        return by_rest::motion(start, goal, limits, None);
+    }
+    if !tells_apart(limits) {
+        return None;
+    }
+    let lower = transit_of(&lower(start, goal, limits).ok()?, &NAMES).ok().filter(does_turn)?;
+    let turning = Turning::fastest(start, goal, limits, Turn::AtRest)?;
+    if turning.duration() < lower.duration() { turning.joined(0.0) } else { None }
 }
 
 /// Lays the motion within limits that takes `duration` \[s\]: under the lower of both limits of acceleration, which keeps them whatever it
@@ -88,10 +116,10 @@ pub(super) fn lay_lasting(
     if gently.is_ok_and(|gently| super::lay_lasting(&gently, duration, transit)) {
         return true;
     }
-    let (up, down) = (limits.acceleration(), limits.deceleration());
-    if up.to_bits() == down.to_bits() {
+    if !tells_apart(limits) {
         return false;
     }
+    let (up, down) = (limits.acceleration(), limits.deceleration());
     let planned = |up: f64, down: f64| {
         let transfer = Transfer::new(start, goal, bounds(limits, up, down)).ok()?;
         let mut planned = Transit::unlaid();
@@ -100,8 +128,10 @@ pub(super) fn lay_lasting(
     let both = [(up, down), (down, up)].into_iter();
     let each = both.filter_map(|(up, down)| planned(up, down)).find(|planned| keeps(planned, limits));
     let planned = each.or_else(|| {
-        let by_rest = || by_rest::motion(start, goal, limits, Some(duration));
-        by_rest::is_too_hard(&goal, limits).then(by_rest).flatten()
+        if by_rest::is_too_hard(&goal, limits) {
+            return by_rest::motion(start, goal, limits, Some(duration));
+        }
+        Turning::fastest(start, goal, limits, Turn::AtRest)?.lasting(duration)
     });
     planned.map(|planned| *transit = planned).is_some()
 }
@@ -132,7 +162,7 @@ fn shortest(
     plan: impl Fn(Bounds) -> Result<Transit, InvalidFields>,
 ) -> Result<Transit, InvalidFields> {
     let (up, down) = (limits.acceleration(), limits.deceleration());
-    if up.to_bits() == down.to_bits() {
+    if !tells_apart(limits) {
         return plan(bounds(limits, up, down));
     }
     let lower = least(up, down);

@@ -29,6 +29,7 @@ mod span;
 mod steady;
 mod timed;
 mod transit;
+mod turning;
 mod upper;
 
 pub use arrivals::{Arrivals, Blocked, MAX_BLOCKED};
