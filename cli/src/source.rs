@@ -10,6 +10,7 @@ use std::io::{self, BufRead as _, BufReader, Read};
 use std::path::Path;
 
 use planner::{InvalidFields, Plan, PvtRequestSpec, RequestSpec};
+use proto::stream::Ask;
 use proto::{Against, JsonError, Reason, Rejected, pb};
 use sim_axis::AxisModel;
 
@@ -33,6 +34,12 @@ pub(crate) fn pvt_request(path: &Path) -> Result<PvtRequestSpec, Failure> {
     let request =
         proto::from_json::<pb::PlanPvtRequest>(&text(path)?).map_err(not_a("PlanPvtRequest", path))?;
     Ok(request.into())
+}
+
+/// The goals in a file.
+pub(crate) fn retarget(path: &Path) -> Result<Ask, Failure> {
+    let retarget = proto::from_json::<pb::Retarget>(&text(path)?).map_err(not_a("Retarget", path))?;
+    Ok(pb::operation::Operation::Retarget(retarget).into())
 }
 
 /// The plan in a file, from a Plan, a PlanResponse or a PlanPvtResponse.

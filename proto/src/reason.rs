@@ -94,6 +94,9 @@ reasons! {
         EndpointInvalid "ENDPOINT_INVALID"
             "An endpoint is not an address that can be connected to. Write it as http://host:port, or https:// where \
              the server has a certificate."
+        RequestIdReused "REQUEST_ID_REUSED"
+            "The request_id names an operation that is something else. A repeat with the same id is harmless since it is not done twice; \
+             ask for anything else under an id of its own."
         MessageInvalid "MESSAGE_INVALID"
             "The text or the bytes are not a message of the schema: no JSON, an unknown field, a broken encoding. Compare \
              with the schema at the place that is named, and write numbers that JSON knows."

@@ -247,6 +247,7 @@ fn a_motion_comes_back_with_its_base_and_what_became_of_operations() {
                     rest_cycle: under_way.last_cycle(),
                     revision: under_way.revision(),
                     on_path: true,
+                    operation_digest: 7,
                 };
                 let recent = [result].into();
                 let motion =
@@ -264,7 +265,7 @@ fn a_motion_comes_back_with_its_base_and_what_became_of_operations() {
 fn operations_come_back() {
     let goal = GoalSpec {
         axis: "x".into(),
-        goal: State { position: 0.1, velocity: 0.2, acceleration: -0.3 },
+        goal: Some(State { position: 0.1, velocity: 0.2, acceleration: -0.3 }),
         limits: Some(LimitsSpec {
             max_velocity: 1.0,
             max_acceleration: 2.0,
@@ -272,7 +273,7 @@ fn operations_come_back() {
             ..LimitsSpec::default()
         }),
     };
-    let plain = GoalSpec { limits: None, ..goal.clone() };
+    let plain = GoalSpec { goal: None, limits: None, ..goal.clone() };
     let asks = [
         Ask::Hold,
         Ask::Resume,

@@ -12,7 +12,7 @@ use proto::{Digest, Reason, Rejected};
 use sim_axis::{Clock, RemoteAxis, TrackRequest, Tracking};
 
 fn goal(position: f64) -> Ask {
-    Ask::Retarget(vec![GoalSpec { axis: "x".into(), goal: State::at_rest(position), limits: None }])
+    Ask::Retarget(vec![GoalSpec { axis: "x".into(), goal: Some(State::at_rest(position)), limits: None }])
 }
 
 /// Plays on until operation `id` is answered.

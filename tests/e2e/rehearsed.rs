@@ -1,6 +1,6 @@
 //! Operations between a session and a buffer, in simulated time: any script, any delay, lead and batch.
 
-use e2e::{Delays, Rig, difference, move_of, open, planned, replay};
+use e2e::{Answer, Delays, Rig, difference, move_of, open, planned, replay};
 use planner::motion::Operation as Planned;
 use planner::motion::Points;
 use planner::{LimitsSpec, Setpoint, State};
@@ -14,7 +14,7 @@ fn rig(stay_open: bool, delay: u64) -> Rig {
 }
 
 fn goal(position: f64) -> Ask {
-    Ask::Retarget(vec![GoalSpec { axis: "x".into(), goal: State::at_rest(position), limits: None }])
+    Ask::Retarget(vec![GoalSpec { axis: "x".into(), goal: Some(State::at_rest(position)), limits: None }])
 }
 
 fn result(rig: &Rig, id: &str) -> Result<OperationResult, Rejected> {
@@ -168,6 +168,29 @@ fn the_same_request_again_has_the_same_answer_and_no_second_effect() {
 }
 
 #[test]
+fn an_id_that_was_used_is_not_used_for_something_else() {
+    let mut rig = rig(true, 1);
+    rig.run_to(60);
+    rig.ask(Operation::now("a", Ask::Override(0.5)));
+    rig.run_to(62);
+    // While it is under way, and when it is done.
+    rig.ask(Operation::now("a", Ask::Hold));
+    rig.command(1, Operation::now("a", Ask::Override(0.25)));
+    rig.run_to_answers(3);
+    rig.ask(Operation::now("a", Ask::Stop));
+    rig.run_to_answers(4);
+    let reused = |answer: &Answer| answer.1.as_ref().is_err_and(|why| why.reason == Reason::RequestIdReused);
+    assert_eq!(rig.answers.iter().filter(|answer| reused(answer)).count(), 2);
+    assert_eq!(rig.commanded[0].1.as_ref().unwrap_err().reason, Reason::RequestIdReused);
+    assert!(rig.answers.iter().any(|answer| answer.1.is_ok()));
+    assert_eq!(rig.buffer().revision(), 1);
+    // When it is to be done does not make it another one.
+    rig.ask(Operation { not_before_cycle: Some(7), ..Operation::now("a", Ask::Override(0.5)) });
+    rig.run_to_answers(5);
+    assert!(rig.answers.last().unwrap().1.is_ok());
+}
+
+#[test]
 fn what_cannot_be_done_is_refused_and_the_stream_goes_on_unharmed() {
     let mut spec = move_of(0.05, 0.25);
     spec.axes[0].limits.max_position = Some(0.1);
@@ -175,8 +198,10 @@ fn what_cannot_be_done_is_refused_and_the_stream_goes_on_unharmed() {
     let mut rig = Rig::new(open("x", plan.clone()), Delays::up_to(1, 3));
     rig.run_to(50);
     let lower = LimitsSpec { max_jerk: -1.0, ..limits() };
-    let bad_limits = GoalSpec { axis: "x".into(), goal: State::at_rest(0.06), limits: Some(lower) };
-    let unknown = GoalSpec { axis: "y".into(), goal: State::at_rest(0.06), limits: None };
+    let bad_limits = GoalSpec { axis: "x".into(), goal: Some(State::at_rest(0.06)), limits: Some(lower) };
+    let unknown = GoalSpec { axis: "y".into(), goal: Some(State::at_rest(0.06)), limits: None };
+    // Only its limits are to change: without a word it would go to zero.
+    let nowhere = GoalSpec { axis: "x".into(), goal: None, limits: Some(limits()) };
     let rows = [
         (Some(Ask::Override(f64::NAN)), Reason::OverrideOutOfRange, "set_override.factor"),
         (Some(Ask::Override(-1.0)), Reason::OverrideOutOfRange, "set_override.factor"),
@@ -188,6 +213,7 @@ fn what_cannot_be_done_is_refused_and_the_stream_goes_on_unharmed() {
             Reason::LimitNotPositive,
             "retarget.goals[0].limits.max_jerk",
         ),
+        (Some(Ask::Retarget(vec![nowhere])), Reason::FieldMissing, "retarget.goals[0].goal"),
         (Some(Ask::Retarget(vec![unknown])), Reason::UnknownAxis, "retarget.goals[0].axis"),
         (Some(Ask::Append(Points { axes: Vec::new(), last: false })), Reason::ProtocolOrder, "append_pvt"),
         (None, Reason::ProtocolOrder, ""),

@@ -111,7 +111,7 @@ fn assert_smooth(rig: &Rig) {
 }
 
 fn goal(axis: &str, position: f64) -> GoalSpec {
-    GoalSpec { axis: axis.into(), goal: State::at_rest(position), limits: None }
+    GoalSpec { axis: axis.into(), goal: Some(State::at_rest(position)), limits: None }
 }
 
 #[derive(Clone, Debug)]

@@ -18,7 +18,7 @@ fn at(cycle: u64, id: &str, ask: Ask) -> Operation {
 }
 
 fn goal(position: f64) -> Ask {
-    Ask::Retarget(vec![GoalSpec { axis: "x".into(), goal: State::at_rest(position), limits: None }])
+    Ask::Retarget(vec![GoalSpec { axis: "x".into(), goal: Some(State::at_rest(position)), limits: None }])
 }
 
 /// The promise: killed at any moment of a move, and the axis misses no cycle. Every 50th cycle of a move that goes slower from cycle

@@ -19,6 +19,7 @@ Examples:
   portamento command resume --axis http://127.0.0.1:50052
   portamento command override 0.5 --stream cell-7/x
   portamento command retarget x=0.02 y=-0.1
+  portamento command retarget --request slower.json
   portamento command append more.csv
   portamento command stop --not-before 12000")]
 pub(crate) struct CommandArgs {
@@ -57,8 +58,12 @@ pub(crate) enum Order {
     /// Go elsewhere; axes that are not named keep their goals.
     Retarget {
         /// Axis and position [u], as x=0.02.
-        #[arg(required = true, value_name = "AXIS=POSITION", value_parser = goal)]
+        #[arg(required_unless_present = "request", value_name = "AXIS=POSITION", value_parser = goal)]
         goals: Vec<(String, f64)>,
+        /// The goals as a motion.v1.Retarget in JSON, - for standard input: with speeds, and with limits, which may be
+        /// lower than those of the motion.
+        #[arg(long, value_name = "FILE.json", conflicts_with = "goals")]
+        request: Option<PathBuf>,
     },
     /// Go on through further points, for a motion through points, until it begins to stop.
     Append {

@@ -11,7 +11,7 @@ use crate::args::{CommandArgs, Order};
 use crate::failure::Failure;
 use crate::service::Server;
 use crate::show::paint::{Screen, wrapped};
-use crate::source::PointTable;
+use crate::source::{self, PointTable};
 
 /// Most operations are answered before that.
 const SOON: Duration = Duration::from_secs(1);
@@ -54,10 +54,11 @@ fn ask(order: &Order) -> Result<Ask, Failure> {
         Order::Hold => Ask::Hold,
         Order::Resume => Ask::Resume,
         Order::Override { factor } => Ask::Override(*factor),
-        Order::Retarget { goals } => {
+        Order::Retarget { request: Some(path), .. } => source::retarget(path)?,
+        Order::Retarget { goals, request: None } => {
             let goal = |(axis, position): &(String, f64)| GoalSpec {
                 axis: axis.clone(),
-                goal: State::at_rest(*position),
+                goal: Some(State::at_rest(*position)),
                 limits: None,
             };
             Ask::Retarget(goals.iter().map(goal).collect())

@@ -3,6 +3,9 @@
 use planner::motion::{AxisPoints, Points};
 use planner::{LimitsSpec, State};
 
+use prost::Message as _;
+use xxhash_rust::xxh3::xxh3_64;
+
 use crate::pb;
 use crate::stream::{Ask, GoalSpec, Operation, OperationResult};
 use pb::operation::Operation as Wire;
@@ -18,6 +21,15 @@ impl From<Operation> for pb::Operation {
     fn from(operation: Operation) -> Self {
         let Operation { request_id, not_before_cycle, ask } = operation;
         Self { request_id, not_before_cycle, operation: ask.map(Into::into) }
+    }
+}
+
+impl Operation {
+    /// What is asked for, whatever it is called and whenever it is to be done: XXH3-64, seed 0, of its encoding without either. Never 0.
+    #[must_use]
+    pub fn digest(&self) -> u64 {
+        let what = Self { request_id: String::new(), not_before_cycle: None, ask: self.ask.clone() };
+        xxh3_64(&pb::Operation::from(what).encode_to_vec()).max(1)
     }
 }
 
@@ -61,14 +73,14 @@ impl From<pb::AxisMove> for GoalSpec {
     /// The axis is known to the stream: its kind, and where it starts, are what they are.
     fn from(wire: pb::AxisMove) -> Self {
         let pb::AxisMove { axis, kind: _, start: _, goal, limits } = wire;
-        Self { axis, goal: State::from(goal.unwrap_or_default()), limits: limits.map(LimitsSpec::from) }
+        Self { axis, goal: goal.map(State::from), limits: limits.map(LimitsSpec::from) }
     }
 }
 
 impl From<GoalSpec> for pb::AxisMove {
     fn from(spec: GoalSpec) -> Self {
         let GoalSpec { axis, goal, limits } = spec;
-        Self { axis, goal: Some(goal.into()), limits: limits.map(Into::into), ..Self::default() }
+        Self { axis, goal: goal.map(Into::into), limits: limits.map(Into::into), ..Self::default() }
     }
 }
 
@@ -89,14 +101,22 @@ impl From<AxisPoints> for pb::PvtAxis {
 
 impl From<pb::OperationResult> for OperationResult {
     fn from(wire: pb::OperationResult) -> Self {
-        let pb::OperationResult { request_id, effective_cycle, rest_cycle, revision, on_path } = wire;
-        Self { request_id, effective_cycle, rest_cycle, revision, on_path }
+        let pb::OperationResult {
+            request_id,
+            effective_cycle,
+            rest_cycle,
+            revision,
+            on_path,
+            operation_digest,
+        } = wire;
+        Self { request_id, effective_cycle, rest_cycle, revision, on_path, operation_digest }
     }
 }
 
 impl From<OperationResult> for pb::OperationResult {
     fn from(result: OperationResult) -> Self {
-        let OperationResult { request_id, effective_cycle, rest_cycle, revision, on_path } = result;
-        Self { request_id, effective_cycle, rest_cycle, revision, on_path }
+        let OperationResult { request_id, effective_cycle, rest_cycle, revision, on_path, operation_digest } =
+            result;
+        Self { request_id, effective_cycle, rest_cycle, revision, on_path, operation_digest }
     }
 }

@@ -2078,7 +2078,8 @@ impl ::prost::Name for SetOverride {
 /// Go to new goals from the present motion.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Retarget {
-    /// The new goals by axis name; start states are ignored, and axes not named keep their goals.
+    /// The new goals by axis name, each with its goal; kind and start are ignored, limits that are not
+    /// given stay as they are, and axes not named keep their goals.
     #[prost(message, repeated, tag = "1")]
     pub goals: ::prost::alloc::vec::Vec<AxisMove>,
 }
@@ -2439,6 +2440,10 @@ pub struct OperationResult {
     /// Whether the motion stays on its path; a stop on a path that is not straight leaves it.
     #[prost(bool, tag = "5")]
     pub on_path: bool,
+    /// What the id was used for, so that it is not used for something else: XXH3-64, seed 0, of the
+    /// encoded operation without its id and its cycle. 0: not known.
+    #[prost(fixed64, tag = "6")]
+    pub operation_digest: u64,
 }
 impl ::prost::Name for OperationResult {
     const NAME: &'static str = "OperationResult";

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use planner::motion::{AxisGoal, Operation as Planned, Override, Points, Refused};
-use planner::{Accepted, Field, InvalidFields, Limits, LimitsSpec, Plan, State};
+use planner::{Accepted, Field, InvalidField, InvalidFields, Limits, LimitsSpec, Plan, State, Why};
 
 use super::Tails;
 use crate::{Digest, Reason, Rejected};
@@ -136,8 +136,8 @@ pub enum Ask {
 pub struct GoalSpec {
     /// The axis.
     pub axis: String,
-    /// Where it is to end.
-    pub goal: State,
+    /// Where it is to end; `None` where that was not said, which is refused.
+    pub goal: Option<State>,
     /// What it may do from now on; `None`: as before.
     pub limits: Option<LimitsSpec>,
 }
@@ -186,7 +186,12 @@ fn goals_of(goals: &[GoalSpec]) -> Result<Vec<AxisGoal>, InvalidFields> {
                 None
             }
         };
-        checked.push(AxisGoal { axis: axis.clone(), goal: *goal, limits });
+        let Some(goal) = *goal else {
+            let path = Field::named("goal").within(&Field::element("goals", index));
+            invalid.push(InvalidField::new(path, Why::Missing { what: "where the axis is to end" }));
+            continue;
+        };
+        checked.push(AxisGoal { axis: axis.clone(), goal, limits });
     }
     invalid.into_result(checked)
 }
@@ -262,6 +267,8 @@ pub struct OperationResult {
     pub revision: u64,
     /// Does the motion stay on its path?
     pub on_path: bool,
+    /// Of what was [asked for](Operation::digest); 0 where that is not known.
+    pub operation_digest: u64,
 }
 
 /// Why an operation was not done; nothing has changed.

@@ -19,7 +19,9 @@ impl Session {
     pub(super) fn operate(&mut self, asker: Asker, operation: Operation) {
         let id = operation.request_id.clone();
         if let Some(done) = self.recent.iter().rev().find(|result| result.request_id == id).cloned() {
-            return self.answer(asker, &id, Ok(done));
+            // A server of another version may not have said what it was.
+            let is_same = done.operation_digest == 0 || done.operation_digest == operation.digest();
+            return self.answer(asker, &id, if is_same { Ok(done) } else { Err(reused(&id)) });
         }
         if self.ended {
             let text = "the stream is over: open a new one";
@@ -27,8 +29,10 @@ impl Session {
         }
         let in_flight = self.splice.as_mut().map(|splice| &mut splice.waiting);
         let same = in_flight.filter(|waiting| waiting.request_id == id).or_else(|| self.queue.find(&id));
-        if let Some(waiting) = same {
-            return waiting.also_for(asker);
+        match same {
+            Some(waiting) if waiting.digest == operation.digest() => return waiting.also_for(asker),
+            Some(_) => return self.answer(asker, &id, Err(reused(&id))),
+            None => {}
         }
         match self.checked(&operation) {
             Ok(planned) => {
@@ -118,7 +122,7 @@ impl Session {
 
     /// What was asked for is so already.
     fn nothing_to_do(&mut self, waiting: Waiting, spliced: &Spliced) {
-        let result = result(&waiting.request_id, spliced);
+        let result = result(&waiting, spliced);
         self.remember(result.clone());
         self.settle(waiting, &Ok(result));
     }
@@ -203,6 +207,13 @@ impl Session {
             }
         }
     }
+}
+
+fn reused(request_id: &str) -> Rejected {
+    let text = format!(
+        "{request_id:?} names an operation of this stream that is another one: give this one an id of its own"
+    );
+    Rejected::for_field("request_id", Reason::RequestIdReused, text)
 }
 
 fn too_late(cycle: u64, end: u64) -> Rejected {

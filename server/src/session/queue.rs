@@ -16,6 +16,8 @@ pub(super) struct Waiting {
     pub(super) request_id: String,
     pub(super) not_before: u64,
     pub(super) planned: Planned,
+    /// Of what is asked for.
+    pub(super) digest: u64,
     pub(super) askers: Vec<Asker>,
     /// How often the axis has refused its splice.
     pub(super) refusals: u32,
@@ -45,11 +47,12 @@ impl Queue {
     }
 
     pub(super) fn push(&mut self, asker: Asker, operation: Operation, planned: Planned) {
+        let digest = operation.digest();
         let Operation { request_id, not_before_cycle, ask: _ } = operation;
         let (not_before, order) = (not_before_cycle.unwrap_or(0), self.arrived);
         self.arrived += 1;
         let askers = vec![asker];
-        self.waiting.push(Waiting { request_id, not_before, planned, askers, refusals: 0, order });
+        self.waiting.push(Waiting { request_id, not_before, planned, digest, askers, refusals: 0, order });
     }
 
     /// Puts back what could not be done yet: it keeps its place.

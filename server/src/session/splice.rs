@@ -47,7 +47,7 @@ impl Splice {
         ended: bool,
         recent: &[OperationResult],
     ) -> Self {
-        let result = result(&waiting.request_id, &spliced);
+        let result = result(&waiting, &spliced);
         let kept = recent.len().saturating_sub(RECENT_RESULTS - 1);
         let recent = recent[kept..].iter().cloned().chain([result.clone()]).collect();
         let Spliced { motion: under_way, effective_cycle, .. } = spliced;
@@ -105,13 +105,14 @@ impl Splice {
     }
 }
 
-/// What is answered to whoever asked for `spliced`.
-pub(super) fn result(request_id: &str, spliced: &Spliced) -> OperationResult {
+/// What is answered to whoever waits for `spliced`.
+pub(super) fn result(waiting: &Waiting, spliced: &Spliced) -> OperationResult {
     OperationResult {
-        request_id: request_id.to_owned(),
+        request_id: waiting.request_id.clone(),
         effective_cycle: spliced.effective_cycle,
         rest_cycle: spliced.rest_cycle,
         revision: spliced.motion.revision(),
         on_path: spliced.on_path,
+        operation_digest: waiting.digest,
     }
 }

@@ -302,18 +302,20 @@ class StopTail(_message.Message):
     def __init__(self, segments: _Optional[_Iterable[_Union[_plan_pb2.AxisSegment, _Mapping]]] = ..., rest_position: _Optional[float] = ...) -> None: ...
 
 class OperationResult(_message.Message):
-    __slots__ = ("request_id", "effective_cycle", "rest_cycle", "revision", "on_path")
+    __slots__ = ("request_id", "effective_cycle", "rest_cycle", "revision", "on_path", "operation_digest")
     REQUEST_ID_FIELD_NUMBER: _ClassVar[int]
     EFFECTIVE_CYCLE_FIELD_NUMBER: _ClassVar[int]
     REST_CYCLE_FIELD_NUMBER: _ClassVar[int]
     REVISION_FIELD_NUMBER: _ClassVar[int]
     ON_PATH_FIELD_NUMBER: _ClassVar[int]
+    OPERATION_DIGEST_FIELD_NUMBER: _ClassVar[int]
     request_id: str
     effective_cycle: int
     rest_cycle: int
     revision: int
     on_path: bool
-    def __init__(self, request_id: _Optional[str] = ..., effective_cycle: _Optional[int] = ..., rest_cycle: _Optional[int] = ..., revision: _Optional[int] = ..., on_path: _Optional[bool] = ...) -> None: ...
+    operation_digest: int
+    def __init__(self, request_id: _Optional[str] = ..., effective_cycle: _Optional[int] = ..., rest_cycle: _Optional[int] = ..., revision: _Optional[int] = ..., on_path: _Optional[bool] = ..., operation_digest: _Optional[int] = ...) -> None: ...
 
 class StreamEvent(_message.Message):
     __slots__ = ("kind", "at_cycle")
