@@ -459,6 +459,37 @@ fn a_line_within_limits() {
     }
 }
 
+/// Where positions round a short way to few digits, the speeds say what the line is.
+#[test]
+fn a_short_way_far_from_zero_at_speed_is_a_line() {
+    let mut random = Random(12);
+    for _ in 0..3000 {
+        let axes = 2 + random.bits() as usize % 5;
+        let within = Limits::try_from(limits(1.0, random.decades(0.3, 3.0))).unwrap();
+        let (way, speed) = (random.decades(1e-4, 1e-1), random.between(0.0, 0.2));
+        let acceleration = random.between(-0.2, 0.2);
+        let asked: Vec<(State, State)> = (0..axes)
+            .map(|_| {
+                let (from, part) = (random.between(-100.0, 100.0), random.between(-1.0, 1.0));
+                let start =
+                    State { position: from, velocity: part * speed, acceleration: part * acceleration };
+                (start, rest(from + part * way))
+            })
+            .collect();
+        let questions: Vec<AxisTransfer<'_>> = asked
+            .iter()
+            .map(|&(start, goal)| AxisTransfer::within_limits(start, goal, &within).unwrap())
+            .collect();
+        let mut transits = Vec::new();
+        let agreed = together(&questions, Synchronization::Phase, Timing::default(), &mut transits);
+        let agreed = agreed.unwrap_or_else(|refused| panic!("{asked:?}: {refused}"));
+        for (transit, (start, goal)) in transits.iter().zip(&asked) {
+            assert_eq!(violations(&transit.to_profile(), &within, *goal), [], "{asked:?}: {transit:?}");
+            assert_eq!((transit.start(), transit.duration()), (*start, agreed.duration));
+        }
+    }
+}
+
 #[test]
 fn what_is_refused() {
     let within = Limits::try_from(limits(1.0, 1.0)).unwrap();

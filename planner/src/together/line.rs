@@ -88,7 +88,7 @@ impl Line {
         let (leader, which) = direction(axes);
         let leading = axes.get(leader).map(parts).unwrap_or_default();
         let shares: ArrayVec<f64, MAX_AXES> =
-            axes.iter().map(|axis| share(parts(axis)[which], leading[which])).collect();
+            axes.iter().map(|axis| share(parts(axis), leading, which)).collect();
         let mut invalid = InvalidFields::default();
         for (index, (axis, &share)) in axes.iter().zip(&shares).enumerate() {
             note_axis(&mut invalid, index, off_the_line(parts(axis), leading, share));
@@ -187,8 +187,18 @@ fn direction(axes: &[AxisTransfer<'_>]) -> (usize, usize) {
     (0, 0)
 }
 
-fn share((_, value, _): Part, (_, leading, _): Part) -> f64 {
-    if leading == 0.0 { 0.0 } else { value / leading }
+/// How much of the leader's motion the axis makes, by the part that is the direction; but where far positions round a small distance to fewer
+/// digits than the line asks for, by the first part that has them.
+fn share(parts: [Part; 5], leading: [Part; 5], which: usize) -> f64 {
+    let of = |part: usize| if leading[part].1 == 0.0 { 0.0 } else { parts[part].1 / leading[part].1 };
+    let is_rounded = |(_, value, rounding): Part| rounding > 0.25 * ON_THE_LINE * value.abs();
+    let is_known = |part: &usize| {
+        let (own, leader) = (parts[*part], leading[*part]);
+        own.1 != 0.0 && leader.1 != 0.0 && !is_rounded(own) && !is_rounded(leader)
+    };
+    let is_vague = parts[which].1 != 0.0 && !is_known(&which);
+    let other = is_vague.then(|| (0..parts.len()).find(is_known)).flatten();
+    of(other.unwrap_or(which))
 }
 
 /// Every part that is not the axis's share of the leader's.
