@@ -23,7 +23,7 @@ use crate::{Limits, MAX_ORDER, Problem, Profile, Setpoint, State};
 
 /// Of a length of time \[1\], for each order: a hold shorter than this is rounding. The recursion is worth about one ε a
 /// level.
-const SNAP: f64 = 2.0 * f64::EPSILON;
+pub(crate) const SNAP: f64 = 2.0 * f64::EPSILON;
 
 /// Scaled limits of order k stop at 2^(64·k): one that is reached within 2⁻⁶⁴ of the time of the move holds nothing back, and so
 /// the numbers stay far enough inside their range for what the recursion multiplies.
