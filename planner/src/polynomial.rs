@@ -179,8 +179,8 @@ impl PolynomialMove {
 /// ```
 ///
 /// # Errors
-/// [`Why::OrderUnsupported`] outside 2 to [`MAX_ORDER`]; [`Why::LimitMissing`] where the order needs a limit that is not
-/// stated; [`Why::NotAtRest`] for a start or a goal in motion.
+/// [`Why::OrderUnsupported`] outside 2 to [`MAX_ORDER`]; [`Why::LimitMissing`] and [`Why::LimitsTooFew`] where the order needs
+/// limits that are not stated; [`Why::NotAtRest`] for a start or a goal in motion.
 pub fn plan_polynomial(problem: &Problem, order: u32) -> Result<PolynomialMove, InvalidFields> {
     let (limits, goal) = (problem.limits(), problem.goal());
     let order = order as usize;
@@ -227,14 +227,15 @@ pub(crate) fn unsupported(order: usize) -> Option<Why> {
 pub(crate) fn missing_limits(limits: &Limits, order: usize) -> InvalidFields {
     let mut invalid = InvalidFields::default();
     let lower = (4..=order).find(|&above| limits.higher(above).is_none()).map_or(order, |first| first - 1);
-    let missing = |from: usize, to: usize| {
-        let needed = (from..=order.min(to)).any(|above| limits.higher(above).is_none());
-        needed.then_some(Why::LimitMissing { order, lower })
-    };
-    if order <= MAX_ORDER {
-        invalid.note("max_snap", missing(4, 4));
-        invalid.note("max_higher_derivatives", missing(5, MAX_ORDER));
+    if order > MAX_ORDER {
+        return invalid;
     }
+    let missing = |is_missing: bool, why: Why| is_missing.then_some(why);
+    let (needed, given) = (order.saturating_sub(4), limits.spec().max_higher_derivatives.len());
+    let none = Why::LimitMissing { order, lower };
+    let too_few = Why::LimitsTooFew { order, needed, given, lower };
+    invalid.note("max_snap", missing(order >= 4 && limits.higher(4).is_none(), none.clone()));
+    invalid.note("max_higher_derivatives", missing(given < needed, if given == 0 { none } else { too_few }));
     invalid
 }
 
