@@ -12,7 +12,7 @@
 
 use arrayvec::ArrayVec;
 
-use crate::classify::Classification;
+use crate::classify::{AsymmetricType, Classification, EightType, SixCase};
 use crate::derivatives::{RECIPROCAL, setpoint};
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::{cbrt, least, sqrt};
@@ -204,8 +204,29 @@ pub fn plan_polynomial(problem: &Problem, order: u32) -> Result<PolynomialMove, 
     let Solution { holds, boxes, peaks } = solution;
     let (start, reached) = (problem.start(), goal);
     let adjustments = feed_rate_above_limit(limits, direction).into_iter().collect();
-    let classification = Classification { feed_rate: peaks[1], ..Classification::default() };
+    let classification = if order == 3 && given[0] > 0.0 {
+        as_s_curve(&given, &solution)
+    } else {
+        Classification::of_speed(peaks[1])
+    };
     Ok(PolynomialMove { order, start, reached, direction, holds, boxes, peaks, adjustments, classification })
+}
+
+/// What the papers call the third order, which is the S-curve with one limit for speeding up and slowing down: the S-curve's own names.
+fn as_s_curve(given: &[f64; MAX_ORDER + 1], solution: &Solution) -> Classification {
+    let [distance, velocity, acceleration, jerk, ..] = *given;
+    let [_, speed, force, ..] = solution.peaks;
+    let [cruise, hold, ..] = solution.holds;
+    // A peak is a product of lengths, each good to what counts as no hold.
+    let reaches = |peak: f64, limit: f64| peak >= limit * (1.0 - 3.0 * SNAP);
+    let full = reaches(force, acceleration);
+    Classification {
+        eight_type: Some(EightType::of(cruise > 0.0, full, full)),
+        // At the limit for an instant is not constant.
+        asymmetric_type: Some(AsymmetricType::of(cruise > 0.0, hold > 0.0, hold > 0.0)),
+        six_case: Some(SixCase::of_move(reaches(speed, velocity), distance, [velocity, acceleration, jerk])),
+        feed_rate: speed,
+    }
 }
 
 /// Everything that keeps a problem from having a polynomial of `order`.
