@@ -66,14 +66,16 @@ pub(crate) struct LawFlags {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum FamilyName {
+pub(crate) enum FamilyName {
     /// Fastest with limited jerk, the usual choice; any velocities at the ends, and a deceleration of its own.
     SCurve,
     /// The baseline: faster, and shakes the machine, as its jerk is not limited.
     Trapezoidal,
-    /// Smoother as its --order grows, for what swings; from rest to rest, and needs limits up to the order.
+    /// Smoother as its --order grows, for what swings; from rest to rest, and needs limits up to the order. Slows down as it speeds up,
+    /// within the smaller limit of both.
     Polynomial,
-    /// Jerk in cosines: about as smooth as order 5 without further limits; from rest to rest.
+    /// Jerk in cosines: about as smooth as order 5 without further limits; from rest to rest. Slows down as it speeds up, within the
+    /// smaller limit of both.
     Trigonometric,
 }
 

@@ -104,7 +104,7 @@ pub(crate) enum Kind {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum ShortPath {
+pub(super) enum ShortPath {
     /// Refuse, and name the least length.
     Reject,
     /// End at the reachable velocity that is closest.
