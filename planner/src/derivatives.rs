@@ -104,13 +104,15 @@ impl Derivatives {
     }
 
     /// The zeros of the derivative of `order` inside a piece of length `duration`, in order, given those of the next one:
-    /// between these it is monotone.
+    /// between these it is monotone. Each is as `settle` makes it, which is given the derivative and those above it at zero, and the span
+    /// in which the zero is alone.
     pub(crate) fn zeros(
         &self,
         start: &State,
         order: usize,
         duration: f64,
         of_next: &[f64],
+        settle: impl Fn(&[f64], f64, (f64, f64)) -> f64,
     ) -> ArrayVec<f64, MAX_DEGREE> {
         let mut values = [0.0; MAX_DEGREE + 1];
         values[..3].copy_from_slice(&[start.position, start.velocity, start.acceleration]);
@@ -121,14 +123,20 @@ impl Derivatives {
         match *values {
             [b, a] => zeros.extend(linear(a, b).into_iter().filter(inside)),
             [c, b, a] => {
-                zeros.extend(quadratic(0.5 * a, b, c).into_iter().filter(inside));
+                // Either side of its extreme has one.
+                let turn = of_next.first().copied().unwrap_or(-b / a).max(0.0).min(duration);
+                let settled =
+                    |t: f64| settle(values, t, if t < turn { (0.0, turn) } else { (turn, duration) });
+                zeros.extend(quadratic(0.5 * a, b, c).into_iter().filter(inside).map(settled).filter(inside));
                 zeros.sort_unstable_by(f64::total_cmp);
             }
             _ => {
                 let value_and_slope = |t| (taylor(values, t), taylor(&values[1..], t));
                 let mut from = 0.0;
                 for to in of_next.iter().copied().chain([duration]) {
-                    zeros.extend(sign_change(from, to, value_and_slope).filter(inside));
+                    let zero = sign_change(from, to, value_and_slope);
+                    let settled = zero.map(|zero| settle(values, zero, (from, to)));
+                    zeros.extend(settled.filter(inside));
                     from = to;
                 }
             }

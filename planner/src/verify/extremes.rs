@@ -133,7 +133,7 @@ impl Extremes {
     }
 
     fn see_segment(&mut self, begin: f64, segment: &Segment, limits: &Limits, highest: usize) {
-        let mut times = segment.turning_points();
+        let mut times = segment.settled_turning_points();
         self.add_deadlines(&mut times, begin, segment.duration, limits);
         self.see_turns(begin, &times, |t| segment.at(t), limits);
         if highest < 4 {
