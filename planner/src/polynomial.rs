@@ -447,7 +447,7 @@ fn quotient_up(x: i32, k: usize) -> i32 {
 }
 
 /// A positive number as a part in 1..2 and a power of two; in 0.5..1 below the normal numbers.
-fn split(x: f64) -> (f64, i32) {
+pub(crate) fn split(x: f64) -> (f64, i32) {
     const MANTISSA: u64 = (1 << 52) - 1;
     let bits = x.to_bits();
     if x < f64::MIN_POSITIVE {
@@ -457,7 +457,7 @@ fn split(x: f64) -> (f64, i32) {
 }
 
 /// 2^`exponent`, or the nearest normal number to it.
-fn power_of_two(exponent: i32) -> f64 {
+pub(crate) fn power_of_two(exponent: i32) -> f64 {
     let biased = (exponent + 1023).clamp(1, 2046);
     f64::from_bits((biased as u64) << 52)
 }

@@ -1,8 +1,8 @@
 use arrayvec::ArrayVec;
 
 use crate::derivatives::{Derivatives, MAX_DEGREE, setpoint};
+use crate::float::{largest, least};
 use crate::roots::{linear, quadratic, sign_change};
-use crate::twofold::Series;
 use crate::{MAX_ORDER, State, cosine};
 
 /// One piece of a motion: a start state, a law, and its own clock from zero to `duration`.
@@ -158,6 +158,18 @@ impl Segment {
         all
     }
 
+    /// The zero of the derivative of `order` that is nearer than `within` to `near` \[s\], to 4 units in its last place; `near` where there is
+    /// none, or none that can be told from its neighbours.
+    ///
+    /// In a [`Law::Polynomial`], by arithmetic of twice the digits: [`Self::turning_points`] come as near as 4 units in the last place of the
+    /// duration. Other laws have closed forms, but for an acceleration that a cosine begins with.
+    #[must_use]
+    pub fn zero_near(&self, order: usize, near: f64, within: f64) -> f64 {
+        let Law::Polynomial(derivatives) = &self.law else { return near };
+        let span = (largest(0.0, near - within), least(self.duration, near + within));
+        derivatives.zero_in(&self.start, order, self.duration, near, span)
+    }
+
     /// Every instant of the segment at which position or one of its derivatives can be extreme \[s\], in order: both ends,
     /// and the zeros of the derivatives between them. Between two neighbours position and all derivatives are monotone.
     ///
@@ -166,17 +178,6 @@ impl Segment {
     /// the last place of the duration.
     #[must_use]
     pub fn turning_points(&self) -> ArrayVec<f64, MAX_TURNING_POINTS> {
-        self.turns(|_, zero, _| zero)
-    }
-
-    /// The same as the judge asks for them, which takes longer: each zero inside a [`Law::Polynomial`] is closed in on to 4 units in the last
-    /// place of its own, in arithmetic of twice the digits.
-    #[must_use]
-    pub fn settled_turning_points(&self) -> ArrayVec<f64, MAX_TURNING_POINTS> {
-        self.turns(|values, zero, span| Series::of(values, self.duration).closed_in(zero, span))
-    }
-
-    fn turns(&self, settle: impl Fn(&[f64], f64, (f64, f64)) -> f64) -> ArrayVec<f64, MAX_TURNING_POINTS> {
         if let Law::ConstantJerk(jerk) = self.law {
             return turning_points_of_jerk(&self.start, jerk, self.duration);
         }
@@ -189,7 +190,7 @@ impl Segment {
             Law::Polynomial(derivatives) => {
                 let mut zeros = ArrayVec::<f64, MAX_DEGREE>::new();
                 for order in (1..derivatives.order()).rev() {
-                    zeros = derivatives.zeros(&self.start, order, self.duration, &zeros, &settle);
+                    zeros = derivatives.zeros(&self.start, order, self.duration, &zeros);
                     times.extend(zeros.iter().copied());
                 }
             }

@@ -4,6 +4,7 @@
 //! `+ − ×`, in a fixed order, and powers of two: the same bits on every platform.
 
 use crate::derivatives::{FACTORIAL, MAX_DEGREE};
+use crate::polynomial::{power_of_two, split};
 use crate::roots::halved_by_bits;
 
 /// Newton steps before the bracket is halved: two do, where the zero is simple.
@@ -12,6 +13,9 @@ const STEPS: usize = 6;
 /// Of a zero \[1\]: a step this short is the last. The value is good to twice the digits, so that where it leads is good to a rounding and
 /// to what is left of the step, which is far below that: the slope has a single rounding, and the zero is simple.
 const LAST_STEP: f64 = 64.0 * f64::EPSILON;
+
+/// Coefficients that are less than 2 to this of the greatest are zero: far inside the range, so that their products are exact.
+const LEAST_SCALE: i32 = -600;
 
 /// The sum of two numbers, of which the second is less than a rounding of the first.
 #[derive(Clone, Copy, Debug)]
@@ -71,18 +75,23 @@ impl Series {
     /// two numbers.
     pub(crate) fn of(values: &[f64], duration: f64) -> Self {
         let degree = values.len() - 1;
-        let (_, exponent) = libm::frexp(duration);
+        let (_, exponent) = split(duration);
         let mut coefficients = [Twofold(0.0, 0.0); MAX_DEGREE + 1];
+        let mut parts = [(0.0, i32::MIN); MAX_DEGREE + 1];
         let mut greatest = i32::MIN;
-        let parts = || values.iter().map(|&value| libm::frexp(value));
-        for (k, (part, of_part)) in parts().enumerate().filter(|(_, (part, _))| *part != 0.0) {
-            coefficients[k] = Twofold::product(part, FACTORIAL[degree] / FACTORIAL[k]);
-            greatest = greatest.max(of_part + exponent * k as i32);
+        for (k, (part, &value)) in parts.iter_mut().zip(values).enumerate().filter(|(_, (_, v))| **v != 0.0) {
+            let (of_magnitude, of_value) = split(value.abs());
+            *part = (of_magnitude.copysign(value), of_value + exponent * k as i32);
+            greatest = greatest.max(part.1);
         }
-        for (k, (_, of_part)) in parts().enumerate() {
-            let scale = of_part + exponent * k as i32 - greatest;
-            let Twofold(high, low) = coefficients[k];
-            coefficients[k] = Twofold(libm::ldexp(high, scale), libm::ldexp(low, scale));
+        for (k, &(part, at)) in parts[..values.len()].iter().enumerate().filter(|(_, (part, _))| *part != 0.0)
+        {
+            // What is so much less than the greatest is nothing beside it.
+            let scale = at - greatest;
+            if scale > LEAST_SCALE {
+                let scaled = part * power_of_two(scale);
+                coefficients[k] = Twofold::product(scaled, FACTORIAL[degree] / FACTORIAL[k]);
+            }
         }
         Self { coefficients, degree, exponent }
     }
@@ -98,10 +107,10 @@ impl Series {
         (value.0, slope)
     }
 
-    /// The zero in `low..=high` that is near to `zero`, to its last digits: there is one, and the function is monotone there. Where the two ends,
-    /// themselves rounded, do not say so, it is what it was.
+    /// The zero in `low..=high` that is near to `zero`, to its last digits; `zero` itself where there is none, or an even number of them.
     pub(crate) fn closed_in(&self, zero: f64, (low, high): (f64, f64)) -> f64 {
-        let [start, low, high] = [zero, low, high].map(|t| libm::ldexp(t, -self.exponent));
+        // Times of the piece and their parts: no digit is lost on the way, and none on the way back.
+        let [start, low, high] = [zero, low, high].map(|t| t * power_of_two(-self.exponent));
         let mut at = start;
         for _ in 0..STEPS {
             let (value, slope) = self.at(at);
@@ -113,7 +122,7 @@ impl Series {
             let step = (next - at).abs();
             at = next;
             if step <= LAST_STEP * at {
-                return libm::ldexp(at, self.exponent);
+                return at * power_of_two(self.exponent);
             }
         }
         let (rises, changes) = {
@@ -127,6 +136,6 @@ impl Series {
             let value = self.at(t).0;
             if rises { value < 0.0 } else { value > 0.0 }
         });
-        libm::ldexp(at, self.exponent)
+        at * power_of_two(self.exponent)
     }
 }

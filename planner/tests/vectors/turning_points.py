@@ -4,10 +4,11 @@
 
 A zero is that of the polynomial whose coefficients are the doubles of the record, exactly: closed in on at 150 digits between the zeros of the
 next derivative, 80 halvings and three steps of Newton's method. It is written as the nearest double and what is missing of it. All complex zeros by mpmath's polyroots, at 200 digits and without any
-isolation, gave the same file.
+isolation, gave the same zeros.
 
 - `values`: position, velocity ... at the start of the piece, `duration`: its length.
-- `zeros`: of the velocity and of all derivatives above it but the last, inside the piece, in order.
+- `zeros`: of the velocity and of all derivatives above it but the last, inside the piece, in order of time: the order of the derivative,
+  the nearest double, and what is missing.
 
 Left out are pieces in which two of them, or one and an end, are nearer than 1e-6 of the duration: whether those are two, one or none is a
 matter of rounding.
@@ -55,8 +56,8 @@ def zeros(values, duration):
         ends = [mpf(0)] + of_next + [mpf(1)]
         of_next = [zero_between(coefficients, a, b) for a, b in zip(ends, ends[1:])]
         of_next = [zero for zero in of_next if zero is not None]
-        found += of_next
-    return sorted(zero * mpf(duration) for zero in found)
+        found += [(zero * mpf(duration), order) for zero in of_next]
+    return sorted(found)
 
 
 def piece(random_, order, kind):
@@ -89,12 +90,12 @@ def main():
             while kept < 6:
                 duration, values = piece(random_, order, kind)
                 found = zeros(values, duration)
-                ends = [mpf(0)] + found + [mpf(duration)]
+                ends = [mpf(0)] + [zero for zero, _ in found] + [mpf(duration)]
                 if not found or min(b - a for a, b in zip(ends, ends[1:])) < mpf(duration) * mpf("1e-6"):
                     continue
                 kept += 1
-                pairs = [[float(zero), float(zero - mpf(float(zero)))] for zero in found]
-                records.append({"kind": kind, "duration": duration, "values": values, "zeros": pairs})
+                told = [[order, float(zero), float(zero - mpf(float(zero)))] for zero, order in found]
+                records.append({"kind": kind, "duration": duration, "values": values, "zeros": told})
     print("[")
     print(",\n".join(json.dumps(record, separators=(",", ":")) for record in records))
     print("]")
