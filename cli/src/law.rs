@@ -19,6 +19,12 @@ impl Law {
         Self { family: Family::Trigonometric, order: None },
     ];
 
+    /// Those, and the baseline: every family.
+    pub(crate) const OF_EVERY_FAMILY: [Self; 5] = {
+        let [s_curve, fourth, fifth, cosine] = Self::OF_THE_PAPER;
+        [Self { family: Family::Trapezoidal, order: None }, s_curve, fourth, fifth, cosine]
+    };
+
     /// The law called `name`.
     pub(crate) fn named(name: &str) -> Result<Self, String> {
         let choices = "s-curve, trapezoidal, polynomial:2 to polynomial:8, trigonometric";

@@ -517,6 +517,8 @@ fn every_kind_of_axis_is_followed_by_a_machine_of_its_kind() {
     assert!(words("prismatic").contains("A linear motor of 6 kg"), "{}", words("prismatic"));
     assert!(words("revolute").contains("A torque motor of 0.12 kg m²"), "{}", words("revolute"));
     assert!(words("pulses").contains("one pulse is 1e-6 m."), "{}", words("pulses"));
+    let bad = compare(&[&PAPERS_MOVE[..], &["--settle-tolerance", "NaN"]].concat()).with(2);
+    assert!(bad.err.contains("--settle-tolerance is NaN"), "{}", bad.err);
     let lost = compare(&[&PAPERS_MOVE[..], &["--pulses-per-metre", "100"]].concat()).with(2);
     assert!(lost.err.contains("--kind pulses"), "{}", lost.err);
 }
@@ -564,9 +566,14 @@ fn the_smaller_limit_of_both_is_not_taken_without_a_word() {
 /// What is wrong is said in the words that were typed; programs get the fields and names of the schema.
 #[test]
 fn refusals_name_what_was_typed() {
-    let rows: [(&str, &[&str], &str); 8] = [
+    let rows: [(&str, &[&str], &str); 9] = [
         ("plan", &["--start-velocity", "NaN"], "--start-velocity: is NaN"),
         ("plan", &["--axis", ""], "--axis: is empty"),
+        (
+            "plan",
+            &["--from", "NaN"],
+            "error: NOT_FINITE: --from: is NaN: give a finite number of at most 1e60 in magnitude. (exit",
+        ),
         (
             "plan",
             &[

@@ -15,6 +15,12 @@ use crate::source;
 
 /// `portamento compare`
 pub(crate) fn run(args: &CompareArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
+    if let Some(tolerance) =
+        args.settle_tolerance.filter(|tolerance| !(0.0..f64::INFINITY).contains(tolerance))
+    {
+        let text = format!("--settle-tolerance is {tolerance}: give a distance of 0 or more [u]");
+        return Err(Failure::Usage(text));
+    }
     let service = Service::open(server)?;
     let model = args.model.as_deref().map(source::axis_model).transpose()?;
     let machine = match &model {

@@ -63,7 +63,7 @@ pub(crate) fn run(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(), Failur
         settle_tolerance: Some(default_settle_tolerance(AxisKind::Prismatic)),
     };
     let (families, chosen) =
-        families(&Service::InProcess, &fifty_millimetres(), &Law::OF_THE_PAPER, watched, |_, failure| {
+        families(&Service::InProcess, &fifty_millimetres(), &Law::OF_EVERY_FAMILY, watched, |_, failure| {
             failure
         })?;
     if screen.json {
