@@ -105,3 +105,47 @@ fn a_certificate_says_when_to_four_ulps() {
     assert!(count > 30, "{count}");
     assert!(farthest <= ULPS, "{farthest} ulp");
 }
+
+#[derive(Deserialize)]
+struct Pulse {
+    duration: f64,
+    peak: f64,
+    velocity: f64,
+    acceleration: f64,
+    zeros: Vec<Zero>,
+}
+
+/// Of a pulse that begins anywhere (no family plans one), `vectors/cosine_turning_points.py`: to 4 ulp of the duration, and what the velocity and
+/// the acceleration do not tell by their own roundings.
+#[test]
+fn a_cosine_turns_where_it_does() {
+    /// Of the terms of a velocity or an acceleration [1]: `tests/extremes.rs` measures 4e-15 for the larger of both.
+    const ROUNDING: f64 = 4e-15;
+    let pulses: Vec<Pulse> =
+        serde_json::from_str(include_str!("vectors/cosine_turning_points.json")).unwrap();
+    assert_eq!(pulses.len(), 100);
+    let (mut count, mut farthest) = (0, 0.0f64);
+    for Pulse { duration, peak, velocity, acceleration, zeros } in pulses {
+        let start = State { position: 0.0, velocity, acceleration };
+        let piece = Segment { duration, start, law: Law::CosineJerk { peak } };
+        let times = piece.turning_points();
+        for Zero(order, nearest, missing) in zeros {
+            let off = |time: &f64| ((time - nearest) - missing).abs();
+            let nearest_time = times.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
+            let at = piece.at(nearest);
+            let (terms, slope) = match order {
+                1 => (
+                    velocity.abs() + nearest * (acceleration.abs() + 0.25 * (peak * nearest).abs()),
+                    at.state.acceleration,
+                ),
+                _ => (acceleration.abs() + 0.5 * (peak * nearest).abs(), at.jerk),
+            };
+            let allowed = 4.0 * f64::EPSILON * duration + ROUNDING * terms / slope.abs();
+            assert!(off(&nearest_time) <= allowed, "order {order}: {} of {allowed}", off(&nearest_time));
+            farthest = farthest.max(off(&nearest_time) / (f64::EPSILON * duration));
+            count += 1;
+        }
+    }
+    println!("{count} zeros: the farthest is {farthest} eps of the duration off");
+    assert!(count > 150, "{count}");
+}
