@@ -77,11 +77,11 @@ pub(crate) enum FamilyName {
     SCurve,
     /// The baseline: faster, and shakes the machine, as its jerk is not limited.
     Trapezoidal,
-    /// Smoother as its --order grows, for what swings; from rest to rest, and needs limits up to the order. Slows down as it speeds up,
-    /// within the smaller limit of both.
+    /// Smoother as its --order grows, for what swings; from rest to rest, and needs limits up to the order. Keeps to the smaller of
+    /// --max-acceleration and --max-deceleration both ways.
     Polynomial,
-    /// Jerk in cosines: about as smooth as order 5 without further limits; from rest to rest. Slows down as it speeds up, within the
-    /// smaller limit of both.
+    /// Jerk in cosines: about as smooth as order 5 without further limits; from rest to rest. Keeps to the smaller of
+    /// --max-acceleration and --max-deceleration both ways.
     Trigonometric,
 }
 
