@@ -33,7 +33,7 @@ pub(crate) use limits::{HigherLimitFlags, LimitFlags};
 pub(crate) use motion::{Kind, LOST_DISTANCE, MoveFlags};
 pub(crate) use pvt::PvtArgs;
 pub(crate) use replay::ReplayArgs;
-use value::{endpoint, figure, nanoseconds, recording};
+use value::{endpoint, figure, nanoseconds, recording, scale};
 pub(crate) use watch::WatchArgs;
 
 /// Smooth, jerk-limited motion for machine axes: plans it, proves it, streams it.

@@ -19,6 +19,12 @@ impl Law {
         Self { family: Family::Trigonometric, order: None },
     ];
 
+    /// Those, and the baseline: every family.
+    pub(crate) const OF_EVERY_FAMILY: [Self; 5] = {
+        let [s_curve, fourth, fifth, cosine] = Self::OF_THE_PAPER;
+        [Self { family: Family::Trapezoidal, order: None }, s_curve, fourth, fifth, cosine]
+    };
+
     /// The law called `name`.
     pub(crate) fn named(name: &str) -> Result<Self, String> {
         let choices = "s-curve, trapezoidal, polynomial:2 to polynomial:8, trigonometric";
@@ -66,14 +72,16 @@ pub(crate) struct LawFlags {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum FamilyName {
+pub(crate) enum FamilyName {
     /// Fastest with limited jerk, the usual choice; any velocities at the ends, and a deceleration of its own.
     SCurve,
     /// The baseline: faster, and shakes the machine, as its jerk is not limited.
     Trapezoidal,
-    /// Smoother as its --order grows, for what swings; from rest to rest, and needs limits up to the order.
+    /// Smoother as its --order grows, for what swings; from rest to rest, and needs limits up to the order. Keeps to the smaller of
+    /// --max-acceleration and --max-deceleration both ways.
     Polynomial,
-    /// Jerk in cosines: about as smooth as order 5 without further limits; from rest to rest.
+    /// Jerk in cosines: about as smooth as order 5 without further limits; from rest to rest. Keeps to the smaller of
+    /// --max-acceleration and --max-deceleration both ways.
     Trigonometric,
 }
 

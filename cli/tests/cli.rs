@@ -445,8 +445,7 @@ fn families_are_compared_on_one_axis() {
     let shown = compare(&[&PAPERS_MOVE[..], &["--plot", text(&plot)]].concat()).with(0).out;
     insta::assert_snapshot!("compared", shown);
     let svg = std::fs::read_to_string(plot).unwrap();
-    for part in ["Velocity [m/s]", "Following error [10⁻⁶ m]", "Load error [", "s-curve", "polynomial:5"]
-    {
+    for part in ["Velocity [m/s]", "Following error [µm]", "Load error [", "s-curve", "polynomial:5"] {
         assert!(svg.contains(part), "{part}");
     }
 }
@@ -475,6 +474,147 @@ fn the_papers_finding_holds_on_the_linear_motor() {
     let given = compare(&[&PAPERS_MOVE[..], &given].concat()).with(0).json();
     assert_eq!(given["chosenLimits"], json!([]));
     assert_eq!(given["moves"][0], moves[1]);
+}
+
+/// Metres, radians and pulses: the same numbers make the same swing on the machine of their kind, but for what its encoder resolves.
+#[test]
+fn every_kind_of_axis_is_followed_by_a_machine_of_its_kind() {
+    let of = |kind: &str, scale: f64, more: &[&str]| {
+        let numbers = [0.05, 0.06, 0.6, 12.0].map(|number| (number * scale).to_string());
+        let flags = ["--distance", "--max-velocity", "--max-acceleration", "--max-jerk"];
+        let mut args: Vec<&str> =
+            flags.iter().zip(&numbers).flat_map(|(flag, number)| [*flag, number.as_str()]).collect();
+        args.extend(["--kind", kind, "--json"]);
+        args.extend(more);
+        compare(&args).with(0).json()["moves"].clone()
+    };
+    let metres = of("prismatic", 1.0, &[]);
+    let rows = [
+        (of("revolute", 1.0, &[]), 1.0),
+        (of("pulses", 1e6, &[]), 1e6),
+        (of("pulses", 2e4, &["--pulses-per-metre", "2e4"]), 2e4),
+    ];
+    for (moves, scale) in rows {
+        for (index, one) in metres.as_array().unwrap().iter().enumerate() {
+            for what in
+                ["maxFollowingError", "rmsFollowingError", "maxLoadError", "residualVibrationAmplitude"]
+            {
+                let [ours, theirs] = [one, &moves[index]].map(|one| one[what].as_f64().unwrap());
+                // The table is read to a tenth of a microradian, the slide to a hundredth of a micrometre.
+                let allowed = 0.02 * ours + 1e-7;
+                assert!(
+                    (theirs / scale - ours).abs() <= allowed,
+                    "{index} {what}: {ours} {}",
+                    theirs / scale
+                );
+            }
+            assert_eq!(moves[index]["effortSaturatedTime"], 0.0);
+        }
+    }
+    let words = |kind: &str| {
+        compare(&[&PAPERS_MOVE[..], &["--kind", kind]].concat()).with(0).out.replace("\n  ", " ")
+    };
+    assert!(words("prismatic").contains("A linear motor of 6 kg"), "{}", words("prismatic"));
+    assert!(words("revolute").contains("A torque motor of 0.12 kg m²"), "{}", words("revolute"));
+    assert!(words("pulses").contains("one pulse is 1e-6 m."), "{}", words("pulses"));
+    let bad = compare(&[&PAPERS_MOVE[..], &["--settle-tolerance", "NaN"]].concat()).with(2);
+    assert!(bad.err.contains("--settle-tolerance is NaN"), "{}", bad.err);
+    let lost = compare(&[&PAPERS_MOVE[..], &["--pulses-per-metre", "100"]].concat()).with(2);
+    assert!(lost.err.contains("--kind pulses"), "{}", lost.err);
+}
+
+/// A motor at the end of its effort says more of the motor than of the family.
+#[test]
+fn a_motor_too_weak_for_the_move_is_told_of() {
+    let brisk =
+        ["--distance", "0.5", "--max-velocity", "2", "--max-acceleration", "25", "--max-jerk", "2000"];
+    let shown = compare(&brisk).with(0).out.replace("\n  ", " ");
+    assert!(shown.contains("The drive wanted more than the 150 N of the motor: s-curve for "), "{shown}");
+    let moves = compare(&[&brisk[..], &["--json"]].concat()).with(0).json()["moves"].clone();
+    let saturated = moves[0]["effortSaturatedTime"].as_f64().unwrap();
+    assert!(saturated > 0.01 && moves[0]["maxEffort"].as_f64().unwrap() <= 150.0, "{moves}");
+    let shown = compare(&PAPERS_MOVE).with(0).out;
+    assert!(!shown.contains("The drive wanted"), "{shown}");
+}
+
+/// Families that have one limit for speeding up and slowing down say which of two they keep to.
+#[test]
+fn the_smaller_limit_of_both_is_not_taken_without_a_word() {
+    let unlike = [&PAPERS_MOVE[..], &["--max-deceleration", "0.3"]].concat();
+    let plan = |more: &[&str]| {
+        let args = [&["plan"], &unlike[..], more].concat();
+        portamento(&args, "").with(0).out.replace("\n  ", " ")
+    };
+    let said = "within the smaller limit of both: 0.3 m/s² of deceleration, not 0.6 m/s² of acceleration.";
+    let families: [(&[&str], bool); 4] = [
+        (&["--family", "polynomial", "--order", "4", "--max-snap", "480"], true),
+        (&["--family", "trigonometric"], true),
+        (&["--family", "trapezoidal"], false),
+        (&[], false),
+    ];
+    for (family, expected) in families {
+        let shown = plan(family);
+        assert_eq!(shown.contains(said), expected, "{shown}");
+    }
+    let shown = compare(&unlike).with(0).out.replace("\n  ", " ");
+    let said = "both (0.3 m/s² of deceleration, not 0.6 m/s² of acceleration): polynomial:4, polynomial:5, trigonometric.";
+    assert!(shown.contains(said), "{shown}");
+    let shown = compare(&PAPERS_MOVE).with(0).out;
+    assert!(!shown.contains("smaller limit"), "{shown}");
+}
+
+/// What is wrong is said in the words that were typed; programs get the fields and names of the schema.
+#[test]
+fn refusals_name_what_was_typed() {
+    let rows: [(&str, &[&str], &str); 9] = [
+        ("plan", &["--start-velocity", "NaN"], "--start-velocity: is NaN"),
+        ("plan", &["--axis", ""], "--axis: is empty"),
+        (
+            "plan",
+            &["--from", "NaN"],
+            "error: NOT_FINITE: --from: is NaN: give a finite number of at most 1e60 in magnitude. (exit",
+        ),
+        (
+            "plan",
+            &[
+                "--family",
+                "polynomial",
+                "--order",
+                "6",
+                "--max-snap",
+                "480",
+                "--max-higher-derivatives",
+                "1",
+                "NaN",
+            ],
+            "--max-higher-derivatives, value 2: is NaN",
+        ),
+        (
+            "plan",
+            &["--family", "polynomial", "--order", "7", "--max-snap", "480", "--max-higher-derivatives", "1"],
+            "--max-higher-derivatives: has 1 limit, and order 7 needs 3",
+        ),
+        (
+            "plan",
+            &["--family", "trigonometric", "--end-velocity", "0.01"],
+            "the family trigonometric goes from rest to rest, so give 0 or choose s-curve",
+        ),
+        ("plan", &["--family", "trigonometric", "--order", "4"], "leave it out or choose polynomial"),
+        ("compare", &["--families", "s-curve,polynomial:40"], "--families polynomial:40: asks for order 40"),
+        (
+            "compare",
+            &["--families", "trigonometric", "--start-velocity", "0.01"],
+            "--start-velocity: is 0.01",
+        ),
+    ];
+    for (command, args, said) in rows {
+        let args = [&[command], &PAPERS_MOVE[..], args].concat();
+        let words = portamento(&args, "").with(3).err.replace('\n', " ");
+        assert!(words.contains(said), "{words}");
+        assert!(!words.contains("axes[0]"), "{words}");
+        let json = portamento(&[&args[..], &["--json"]].concat(), "").with(3).json();
+        assert!(!json.to_string().contains("--"), "{json}");
+    }
 }
 
 #[test]

@@ -1,10 +1,11 @@
-//! Every record of the reference vectors as a request, through `portamento plan --batch`: the answers hold to what a double can
-//! meet.
+//! Every record of the reference vectors as a request, through `portamento plan --batch`: durations, pieces, names and samples of the
+//! answers hold to what a double can meet.
 
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::panic,
+    clippy::float_cmp,
     missing_docs,
     reason = "a test may fail by panicking"
 )]
@@ -16,8 +17,10 @@ use serde_json::{Map, Value, json};
 
 /// Of the total duration [1].
 const DURATION: f64 = 1e-12;
-/// Of the peak speed [1].
-const SPEED: f64 = 1e-11;
+/// Of the distance [1].
+const POSITION: f64 = 1e-13;
+/// Of the peak of a derivative [1].
+const DERIVATIVE: f64 = 1e-11;
 
 /// A request, and what the answer is to be.
 struct Row {
@@ -25,9 +28,12 @@ struct Row {
     request: Value,
     distance: f64,
     total: f64,
-    /// Of the pieces, of which some are zero; `None` where the record tells the lengths of time in another way.
-    durations: Option<Vec<f64>>,
-    peak: f64,
+    /// Of the pieces, of which some are zero.
+    durations: Vec<f64>,
+    /// How far position and each derivative go, from the speed on; of the last of them there is no sample.
+    peaks: Vec<f64>,
+    /// Time, position, velocity, acceleration ...
+    samples: Vec<Vec<f64>>,
     /// A name in the classification, unless the result jumps beside the record.
     named: Option<(&'static str, String)>,
 }
@@ -65,9 +71,19 @@ fn limits(fields: &[(&str, f64)]) -> Map<String, Value> {
     fields.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect()
 }
 
+fn samples(record: &Value) -> Vec<Vec<f64>> {
+    record["samples"].as_array().unwrap().iter().map(numbers).collect()
+}
+
+/// The pieces of Nguyen, Ng and Chen's template, of which piece k holds derivative n − (zeros at the end of k in binary) for `holds` of it.
+fn template(holds: &[f64]) -> Vec<f64> {
+    (1..1usize << holds.len()).map(|k| holds[holds.len() - 1 - k.trailing_zeros() as usize]).collect()
+}
+
 /// Orders 2 to 8. A limit that every axis has and that order 2 does not use is far away.
 fn polynomial() -> Vec<Row> {
-    let records = records(include_str!("../../planner/tests/vectors/polynomial.json"));
+    let mut records = records(include_str!("../../planner/tests/vectors/polynomial.json"));
+    records.extend(self::records(include_str!("../../planner/tests/vectors/polynomial_high.json")));
     let row = |record: &Value| {
         let bounds = numbers(&record["X"]);
         let order = record["n"].as_u64().unwrap();
@@ -87,8 +103,9 @@ fn polynomial() -> Vec<Row> {
             request,
             distance: bounds[0],
             total: number(record, "total"),
-            durations: None,
-            peak: numbers(&record["peaks"])[1],
+            durations: template(&numbers(&record["T"])),
+            peaks: numbers(&record["peaks"])[1..].to_vec(),
+            samples: samples(record),
             named: None,
         }
     };
@@ -108,8 +125,14 @@ fn trigonometric() -> Vec<Row> {
             request: request("TRIGONOMETRIC", number(record, "s"), &limits),
             distance: number(record, "s"),
             total: number(record, "total"),
-            durations: Some(numbers(&record["T"])),
-            peak: number(record, "v_peak"),
+            durations: numbers(&record["T"]),
+            peaks: vec![
+                number(record, "v_peak"),
+                number(record, "a_peak"),
+                number(record, "j_peak"),
+                std::f64::consts::PI * number(record, "j_peak") / number(record, "t_J"),
+            ],
+            samples: samples(record),
             named: Some(("sixCase", pointed(record))),
         }
     };
@@ -141,8 +164,13 @@ fn asymmetric() -> Vec<Row> {
             request: request("S_CURVE", distance, &limits),
             distance,
             total: number(record, "total"),
-            durations: Some(numbers(&record["T"])),
-            peak: number(record, "v_peak").abs(),
+            durations: numbers(&record["T"]),
+            peaks: vec![
+                number(record, "v_peak").abs(),
+                number(record, "a_max").max(number(record, "d_max")),
+                number(record, "j_max"),
+            ],
+            samples: samples(record),
             named: (!ambiguous(record)).then(|| ("asymmetricType", record["type"].to_string())),
         }
     };
@@ -169,8 +197,9 @@ fn six_case() -> Vec<Row> {
             request: request("S_CURVE", distance, &limits),
             distance,
             total: number(record, "total"),
-            durations: Some(numbers(&record["T"])),
-            peak: number(record, "v_peak").abs(),
+            durations: numbers(&record["T"]),
+            peaks: vec![number(record, "v_peak").abs(), number(record, "a_max"), number(record, "j_max")],
+            samples: samples(record),
             named: (!ambiguous(record)).then(|| ("sixCase", pointed(record))),
         }
     };
@@ -200,15 +229,16 @@ fn eight_type() -> Vec<Row> {
             request,
             distance,
             total: number(strict, "total"),
-            durations: Some(numbers(&strict["T"])),
-            peak: number(strict, "v_peak").abs(),
+            durations: numbers(&strict["T"]),
+            peaks: vec![number(strict, "v_peak").abs(), number(record, "a_max"), number(record, "j_max")],
+            samples: samples(strict),
             named: Some(("eightType", strict["type"].as_str().unwrap().to_owned())),
         })
     };
     all.iter().filter_map(row).collect()
 }
 
-fn answers(rows: &[Row]) -> Vec<Value> {
+fn answers(rows: &[Row]) -> Vec<String> {
     let mut child = Command::new(env!("CARGO_BIN_EXE_portamento"))
         .args(["plan", "--batch", "-"])
         .stdin(Stdio::piped())
@@ -222,11 +252,12 @@ fn answers(rows: &[Row]) -> Vec<Value> {
     feeding.join().unwrap();
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
-    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    text.lines().map(str::to_owned).collect()
 }
 
-fn check(row: &Row, answer: &Value) {
-    let Row { name, request, distance, total, durations, peak, named } = row;
+fn check(row: &Row, line: &str) {
+    let Row { name, request, distance, total, durations, peaks, samples, named } = row;
+    let answer: Value = serde_json::from_str(line).unwrap();
     let plan = &answer["plan"];
     assert!(plan.is_object(), "{name}: {answer} to {request}");
     let close = |what: &str, ours: f64, expected: f64, tolerance: f64| {
@@ -238,17 +269,33 @@ fn check(row: &Row, answer: &Value) {
     let axis = &plan["axes"][0];
     assert_eq!(axis["reached"]["position"], json!(distance), "{name}");
     assert!(axis["adjustments"].as_array().is_none_or(Vec::is_empty), "{name}");
-    close("peak", number(&axis["classification"], "feedRate"), *peak, SPEED * peak);
-    if let Some(durations) = durations {
-        let lasting = |durations: Vec<f64>| -> Vec<f64> {
-            durations.into_iter().filter(|&duration| duration > DURATION * total).collect()
-        };
-        let pieces = axis["segments"].as_array().unwrap();
-        let ours = lasting(pieces.iter().map(|piece| number(piece, "duration")).collect());
-        let expected = lasting(durations.clone());
-        assert_eq!(ours.len(), expected.len(), "{name}: {ours:?} {expected:?}");
-        for (ours, expected) in ours.iter().zip(expected) {
-            close("piece", *ours, expected, DURATION * total);
+    close("peak", number(&axis["classification"], "feedRate"), peaks[0], DERIVATIVE * peaks[0]);
+    let lasting = |durations: &[f64]| -> Vec<f64> {
+        durations.iter().copied().filter(|&duration| duration > DURATION * total).collect()
+    };
+    let pieces = axis["segments"].as_array().unwrap();
+    let ours: Vec<f64> = pieces.iter().map(|piece| number(piece, "duration")).collect();
+    let (ours, expected) = (lasting(&ours), lasting(durations));
+    assert_eq!(ours.len(), expected.len(), "{name}: {ours:?} {expected:?}");
+    for (ours, expected) in ours.iter().zip(expected) {
+        close("piece", *ours, expected, DURATION * total);
+    }
+    assert!(!samples.is_empty(), "{name}");
+    let wire = proto::from_json::<proto::pb::PlanResponse>(line).unwrap().plan.unwrap();
+    let read = proto::plan_from_wire(wire).unwrap();
+    let profile = &read.axes()[0].profile;
+    for sample in samples {
+        let (t, expected) = (sample[0], &sample[1..]);
+        let (begin, piece) = profile.timed_segments().take_while(|(begin, _)| *begin <= t).last().unwrap();
+        let ours = piece.derivatives(t - begin);
+        for (order, (ours, expected)) in ours.iter().zip(expected).enumerate() {
+            let allowed = match order {
+                0 => POSITION * distance.abs(),
+                order => DERIVATIVE * peaks[order - 1],
+            };
+            // A rounding of the time is worth as much as the next derivative.
+            let late = peaks.get(order).map_or(0.0, |next| 4.0 * f64::EPSILON * t * next);
+            close(&format!("derivative {order} at {t}"), *ours, *expected, allowed + late);
         }
     }
     if let Some((method, expected)) = named {
@@ -267,7 +314,7 @@ fn hold(rows: &[Row], at_least: usize) {
 
 #[test]
 fn polynomials_of_the_vectors() {
-    hold(&polynomial(), 125);
+    hold(&polynomial(), 173);
 }
 
 #[test]

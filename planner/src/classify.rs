@@ -237,7 +237,8 @@ impl core::fmt::Display for SixCase {
     }
 }
 
-/// The names of a shape in the papers that the planner comes from; `None` where the paper does not cover the move.
+/// The names of a shape in the papers that the planner comes from; `None` where the paper does not cover the move. A polynomial of order 3 has
+/// those of the S-curve with the smaller limit of acceleration and deceleration for both, which it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Classification {
     /// Start and end velocities, equal limits for speeding up and slowing down: Bui, Le and Doan (2021).

@@ -1,6 +1,7 @@
 use arrayvec::ArrayVec;
 
 use crate::roots::{linear, quadratic, sign_change};
+use crate::twofold::Series;
 use crate::{Setpoint, State};
 
 /// The highest degree of a piece: one of order 5, a quintic, whose time is a cubic of another time. A few more would cost every
@@ -103,6 +104,30 @@ impl Derivatives {
         }
     }
 
+    /// The zero of the derivative of `order` in `span`, near to `near`, to its last digits; `near` where there is none.
+    pub(crate) fn zero_in(
+        &self,
+        start: &State,
+        order: usize,
+        duration: f64,
+        near: f64,
+        span: (f64, f64),
+    ) -> f64 {
+        if order >= self.order() {
+            return near;
+        }
+        let values = self.all(start);
+        Series::of(&values[order..=self.order()], duration).closed_in(near, span)
+    }
+
+    /// Position and all derivatives at the start of a piece.
+    fn all(&self, start: &State) -> [f64; MAX_DEGREE + 1] {
+        let mut values = [0.0; MAX_DEGREE + 1];
+        values[..3].copy_from_slice(&[start.position, start.velocity, start.acceleration]);
+        values[3..].copy_from_slice(&self.values);
+        values
+    }
+
     /// The zeros of the derivative of `order` inside a piece of length `duration`, in order, given those of the next one:
     /// between these it is monotone.
     pub(crate) fn zeros(
@@ -112,9 +137,7 @@ impl Derivatives {
         duration: f64,
         of_next: &[f64],
     ) -> ArrayVec<f64, MAX_DEGREE> {
-        let mut values = [0.0; MAX_DEGREE + 1];
-        values[..3].copy_from_slice(&[start.position, start.velocity, start.acceleration]);
-        values[3..].copy_from_slice(&self.values);
+        let values = self.all(start);
         let values = &values[order..=self.order()];
         let mut zeros = ArrayVec::new();
         let inside = |t: &f64| *t > 0.0 && *t < duration;

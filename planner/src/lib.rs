@@ -148,6 +148,7 @@ mod state;
 mod together;
 mod transfer;
 mod trigonometric;
+mod twofold;
 mod verify;
 mod workers;
 

@@ -12,7 +12,7 @@
 
 use arrayvec::ArrayVec;
 
-use crate::classify::Classification;
+use crate::classify::{AsymmetricType, Classification, EightType, SixCase};
 use crate::derivatives::{RECIPROCAL, setpoint};
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::{cbrt, least, sqrt};
@@ -23,7 +23,7 @@ use crate::{Limits, MAX_ORDER, Problem, Profile, Setpoint, State};
 
 /// Of a length of time \[1\], for each order: a hold shorter than this is rounding. The recursion is worth about one ε a
 /// level.
-const SNAP: f64 = 2.0 * f64::EPSILON;
+pub(crate) const SNAP: f64 = 2.0 * f64::EPSILON;
 
 /// Scaled limits of order k stop at 2^(64·k): one that is reached within 2⁻⁶⁴ of the time of the move holds nothing back, and so
 /// the numbers stay far enough inside their range for what the recursion multiplies.
@@ -179,8 +179,8 @@ impl PolynomialMove {
 /// ```
 ///
 /// # Errors
-/// [`Why::OrderUnsupported`] outside 2 to [`MAX_ORDER`]; [`Why::LimitMissing`] where the order needs a limit that is not
-/// stated; [`Why::NotAtRest`] for a start or a goal in motion.
+/// [`Why::OrderUnsupported`] outside 2 to [`MAX_ORDER`]; [`Why::LimitMissing`] and [`Why::LimitsTooFew`] where the order needs
+/// limits that are not stated; [`Why::NotAtRest`] for a start or a goal in motion.
 pub fn plan_polynomial(problem: &Problem, order: u32) -> Result<PolynomialMove, InvalidFields> {
     let (limits, goal) = (problem.limits(), problem.goal());
     let order = order as usize;
@@ -204,8 +204,29 @@ pub fn plan_polynomial(problem: &Problem, order: u32) -> Result<PolynomialMove, 
     let Solution { holds, boxes, peaks } = solution;
     let (start, reached) = (problem.start(), goal);
     let adjustments = feed_rate_above_limit(limits, direction).into_iter().collect();
-    let classification = Classification { feed_rate: peaks[1], ..Classification::default() };
+    let classification = if order == 3 && given[0] > 0.0 {
+        as_s_curve(&given, &solution)
+    } else {
+        Classification::of_speed(peaks[1])
+    };
     Ok(PolynomialMove { order, start, reached, direction, holds, boxes, peaks, adjustments, classification })
+}
+
+/// What the papers call the third order, which is the S-curve with one limit for speeding up and slowing down: the S-curve's own names.
+fn as_s_curve(given: &[f64; MAX_ORDER + 1], solution: &Solution) -> Classification {
+    let [distance, velocity, acceleration, jerk, ..] = *given;
+    let [_, speed, force, ..] = solution.peaks;
+    let [cruise, hold, ..] = solution.holds;
+    // A peak is a product of lengths, each good to what counts as no hold.
+    let reaches = |peak: f64, limit: f64| peak >= limit * (1.0 - 3.0 * SNAP);
+    let full = reaches(force, acceleration);
+    Classification {
+        eight_type: Some(EightType::of(cruise > 0.0, full, full)),
+        // At the limit for an instant is not constant.
+        asymmetric_type: Some(AsymmetricType::of(cruise > 0.0, hold > 0.0, hold > 0.0)),
+        six_case: Some(SixCase::of_move(reaches(speed, velocity), distance, [velocity, acceleration, jerk])),
+        feed_rate: speed,
+    }
 }
 
 /// Everything that keeps a problem from having a polynomial of `order`.
@@ -227,14 +248,15 @@ pub(crate) fn unsupported(order: usize) -> Option<Why> {
 pub(crate) fn missing_limits(limits: &Limits, order: usize) -> InvalidFields {
     let mut invalid = InvalidFields::default();
     let lower = (4..=order).find(|&above| limits.higher(above).is_none()).map_or(order, |first| first - 1);
-    let missing = |from: usize, to: usize| {
-        let needed = (from..=order.min(to)).any(|above| limits.higher(above).is_none());
-        needed.then_some(Why::LimitMissing { order, lower })
-    };
-    if order <= MAX_ORDER {
-        invalid.note("max_snap", missing(4, 4));
-        invalid.note("max_higher_derivatives", missing(5, MAX_ORDER));
+    if order > MAX_ORDER {
+        return invalid;
     }
+    let missing = |is_missing: bool, why: Why| is_missing.then_some(why);
+    let (needed, given) = (order.saturating_sub(4), limits.spec().max_higher_derivatives.len());
+    let none = Why::LimitMissing { order, lower };
+    let too_few = Why::LimitsTooFew { order, needed, given, lower };
+    invalid.note("max_snap", missing(order >= 4 && limits.higher(4).is_none(), none.clone()));
+    invalid.note("max_higher_derivatives", missing(given < needed, if given == 0 { none } else { too_few }));
     invalid
 }
 
@@ -425,7 +447,7 @@ fn quotient_up(x: i32, k: usize) -> i32 {
 }
 
 /// A positive number as a part in 1..2 and a power of two; in 0.5..1 below the normal numbers.
-fn split(x: f64) -> (f64, i32) {
+pub(crate) fn split(x: f64) -> (f64, i32) {
     const MANTISSA: u64 = (1 << 52) - 1;
     let bits = x.to_bits();
     if x < f64::MIN_POSITIVE {
@@ -435,7 +457,7 @@ fn split(x: f64) -> (f64, i32) {
 }
 
 /// 2^`exponent`, or the nearest normal number to it.
-fn power_of_two(exponent: i32) -> f64 {
+pub(crate) fn power_of_two(exponent: i32) -> f64 {
     let biased = (exponent + 1023).clamp(1, 2046);
     f64::from_bits((biased as u64) << 52)
 }

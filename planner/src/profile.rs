@@ -51,6 +51,12 @@ impl Profile {
         self.pieces.constant_jerk(index)
     }
 
+    /// Is any piece a [`Law::Polynomial`](crate::Law::Polynomial)?
+    #[inline]
+    pub(crate) fn has_polynomials(&self) -> bool {
+        self.pieces.have_polynomials()
+    }
+
     /// How long piece number `index` lasts \[s\], if there is one.
     #[inline]
     pub(crate) fn piece_duration(&self, index: usize) -> Option<f64> {

@@ -138,7 +138,7 @@ const CONVEX_STEPS: usize = 256;
 
 /// The first number of `low ..= high`, both ≥ 0, that is not `below`; `high` where all are. Numbers that are not negative are in the order
 /// of their bits, so that at most 63 halvings do.
-fn halved_by_bits(low: f64, high: f64, below: impl Fn(f64) -> bool) -> f64 {
+pub(crate) fn halved_by_bits(low: f64, high: f64, below: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (largest(0.0, low).to_bits(), largest(0.0, high).to_bits());
     while low < high {
         let middle = low + (high - low) / 2;

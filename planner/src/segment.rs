@@ -1,6 +1,7 @@
 use arrayvec::ArrayVec;
 
 use crate::derivatives::{Derivatives, MAX_DEGREE, setpoint};
+use crate::float::{largest, least};
 use crate::roots::{linear, quadratic, sign_change};
 use crate::{MAX_ORDER, State, cosine};
 
@@ -155,6 +156,18 @@ impl Segment {
             Law::CosineJerk { peak } => cosine::higher(*peak, self.duration, t, &mut all[4..]),
         }
         all
+    }
+
+    /// The zero of the derivative of `order` that is nearer than `within` to `near` \[s\], to 4 units in its last place; `near` where there is
+    /// none, or none that can be told from its neighbours.
+    ///
+    /// In a [`Law::Polynomial`], by arithmetic of twice the digits: [`Self::turning_points`] come as near as 4 units in the last place of the
+    /// duration. Other laws have closed forms, but for an acceleration that a cosine begins with.
+    #[must_use]
+    pub fn zero_near(&self, order: usize, near: f64, within: f64) -> f64 {
+        let Law::Polynomial(derivatives) = &self.law else { return near };
+        let span = (largest(0.0, near - within), least(self.duration, near + within));
+        derivatives.zero_in(&self.start, order, self.duration, near, span)
     }
 
     /// Every instant of the segment at which position or one of its derivatives can be extreme \[s\], in order: both ends,

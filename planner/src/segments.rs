@@ -71,6 +71,12 @@ impl Pieces {
         self.list.len()
     }
 
+    /// Is any of them a polynomial?
+    #[inline]
+    pub(crate) fn have_polynomials(&self) -> bool {
+        !self.derivatives.is_empty()
+    }
+
     /// Segment number `index`, which there is.
     #[inline]
     pub(crate) fn segment(&self, index: usize) -> Segment {

@@ -10,7 +10,7 @@ use arrayvec::ArrayVec;
 
 use crate::classify::{Classification, SixCase};
 use crate::error::InvalidFields;
-use crate::float::{cbrt, largest, least, sqrt};
+use crate::float::{cbrt, least, sqrt};
 use crate::polynomial::note_motion;
 use crate::solve::{MAX_PIECES, Move, Piece, feed_rate_above_limit};
 use crate::{Problem, State};
@@ -61,6 +61,20 @@ pub fn plan_trigonometric(problem: &Problem) -> Result<Move, InvalidFields> {
     Ok(planned)
 }
 
+/// Of the length of time before it \[1\]: a hold or a cruise shorter than this is rounding, where there is none.
+///
+/// Where the exact length is zero, in units `u = ε/2` of what one operation rounds, to the first order: the pulse is `a/j`, good to u, or
+/// `√(v/j)`, to 3/2·u. The rate `j·pulse` is off as the pulse is, and by u.
+///
+/// - *A hold* where the velocity is just reached, `v/rate − pulse`: the pulse counts twice, the product and the quotient once each: 5 u.
+///   Where the distance is, `2·area/(pulse + √(pulse² + 4·area)) − pulse` with `area = distance/rate`: the pulse counts twice, what else is
+///   wrong with the area 2/3, and the five operations that follow make 19/6 u: 7.5 u.
+/// - *A cruise*, `area/ramp − (pulse + ramp)`. With `ramp = v/rate` the rate falls out of the quotient, 3 u, and the sum has 4 u. With a ramp of
+///   one pulse of `√(v/j)` the pulse counts three times, and four operations once each: 8.5 u.
+///
+/// So 8.5 u = 4.25 ε. The rest is margin: it is 2 ε for each of the three lengths, as in the recursion of order n.
+const SNAP: f64 = 3.0 * crate::polynomial::SNAP;
+
 /// How long a pulse lasts, how long the acceleration is held, how long the velocity \[s\].
 #[derive(Clone, Copy, Debug)]
 struct Times {
@@ -89,13 +103,19 @@ impl Times {
         let reach = velocity / rate;
         // Cruises, or comes to the distance first: `ramp·(pulse + ramp) = area`.
         if reach * (pulse + reach) <= area {
-            let ramp = largest(pulse, reach);
-            let cruise = largest(0.0, area / ramp - (pulse + ramp));
-            return (Self { pulse, hold: ramp - pulse, cruise }, true);
+            let hold = beyond(pulse, reach);
+            let ramp = pulse + hold;
+            return (Self { pulse, hold, cruise: beyond(pulse + ramp, area / ramp) }, true);
         }
-        let ramp = largest(pulse, 2.0 * area / (pulse + sqrt(pulse * pulse + 4.0 * area)));
-        (Self { pulse, hold: ramp - pulse, cruise: 0.0 }, false)
+        let ramp = 2.0 * area / (pulse + sqrt(pulse * pulse + 4.0 * area));
+        (Self { pulse, hold: beyond(pulse, ramp), cruise: 0.0 }, false)
     }
+}
+
+/// How much longer than `before` a length is; zero where that is no more than [`SNAP`] of it.
+fn beyond(before: f64, length: f64) -> f64 {
+    let rest = length - before;
+    if rest > SNAP * before { rest } else { 0.0 }
 }
 
 /// Lays the pieces end to end, those after the cruise as the mirror image of those before it, from the goal.

@@ -1,4 +1,4 @@
-//! Nguyen, Ng and Chen (2008), the model of order n: a hundred and twenty-five moves solved at 60 digits.
+//! Nguyen, Ng and Chen (2008), the model of order n: moves of every order, solved at 60 digits.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail by panicking")]
 
@@ -73,12 +73,23 @@ fn check(record: &Record, direction: f64) {
 
 #[test]
 fn moves_solved_at_sixty_digits() {
-    let records: Vec<Record> = serde_json::from_str(include_str!("vectors/polynomial.json")).unwrap();
+    assert_eq!(check_all(include_str!("vectors/polynomial.json"), 2..=6), 125);
+}
+
+/// Orders 7 and 8, by `vectors/polynomial_high.py`.
+#[test]
+fn high_orders_solved_at_sixty_digits() {
+    assert_eq!(check_all(include_str!("vectors/polynomial_high.json"), 7..=8), 48);
+}
+
+fn check_all(json: &str, orders: std::ops::RangeInclusive<u32>) -> usize {
+    let records: Vec<Record> = serde_json::from_str(json).unwrap();
     for record in &records {
+        assert!(orders.contains(&record.n), "record {}", record.id);
         check(record, 1.0);
         check(record, -1.0);
     }
-    assert_eq!(records.len(), 125);
+    records.len()
 }
 
 /// Limits of velocity, acceleration, jerk, snap and crackle in mm and s, and the durations of orders 2 to 5 and of the cosine.
@@ -113,7 +124,7 @@ fn fifty_millimetres_of_nguyen_ng_and_chen() {
     }
 }
 
-/// Orders 7 and 8, for which there are no records: every limit reached gives the sum of the quotients.
+/// Every limit reached gives the sum of the quotients.
 #[test]
 fn high_orders_with_every_limit_reached() {
     let limits = [0.5, 2.0, 16.0, 256.0, 8192.0, 524_288.0, 67_108_864.0, 17_179_869_184.0];
@@ -128,4 +139,91 @@ fn high_orders_with_every_limit_reached() {
         assert_eq!(planned.to_profile().segments().len(), (1 << order) - 1);
         assert_eq!(higher_limits(&limits).1.len(), 4);
     }
+}
+
+/// The names of a record, where it has them: `Classification` says which.
+#[derive(Deserialize)]
+struct Named {
+    id: u32,
+    #[serde(alias = "s", alias = "L")]
+    distance: f64,
+    #[serde(alias = "v_cf")]
+    v_max: f64,
+    a_max: f64,
+    #[serde(default)]
+    d_max: Option<f64>,
+    j_max: f64,
+    #[serde(default)]
+    v_s: f64,
+    #[serde(default)]
+    v_e: f64,
+    #[serde(default)]
+    case: Option<String>,
+    #[serde(default)]
+    r#type: Option<u8>,
+    #[serde(default)]
+    strict: Option<Strict>,
+    #[serde(default)]
+    type_ambiguous: bool,
+}
+
+#[derive(Deserialize)]
+struct Strict {
+    #[serde(default)]
+    r#type: Option<String>,
+    #[serde(default)]
+    type_ambiguous: bool,
+}
+
+/// Order 3 is the S-curve with one limit for speeding up and slowing down, and has its names: those of every record of the three papers
+/// that it covers, and those of the S-curve itself, which also has the speed.
+#[test]
+#[expect(clippy::float_cmp, reason = "the very number given twice is one limit")]
+fn the_third_order_has_the_names_of_the_s_curve() {
+    let mut counts = [0; 3];
+    let files = [
+        include_str!("vectors/six_case_paper.json"),
+        include_str!("vectors/six_case.json"),
+        include_str!("vectors/asymmetric_paper.json"),
+        include_str!("vectors/asymmetric.json"),
+        include_str!("vectors/eight_type.json"),
+    ];
+    for json in files {
+        for record in serde_json::from_str::<Vec<Named>>(json).unwrap() {
+            let ambiguous =
+                record.type_ambiguous || record.strict.as_ref().is_some_and(|strict| strict.type_ambiguous);
+            let rests = record.v_s == 0.0 && record.v_e == 0.0;
+            let alike = record.d_max.is_none_or(|d_max| d_max == record.a_max);
+            if ambiguous || !rests || !alike || record.distance == 0.0 {
+                continue;
+            }
+            let limits = [record.v_max.abs(), record.a_max, record.j_max];
+            let problem = polynomial_problem(0.0, record.distance, &limits);
+            let names = plan_polynomial(&problem, 3).unwrap().classification();
+            let id = record.id;
+            if let Some(case) = &record.case {
+                let ours = names.six_case.map(|case| case.name().replace('.', ""));
+                assert_eq!(ours.as_deref(), Some(case.as_str()), "case {id}");
+                counts[0] += 1;
+            }
+            if let Some(kind) = record.r#type.filter(|_| record.d_max.is_some()) {
+                let ours = names.asymmetric_type.map(|kind| kind.name().to_owned());
+                assert_eq!(ours, Some(kind.to_string()), "asymmetric {id}");
+                counts[1] += 1;
+            }
+            if let Some(kind) = record.strict.and_then(|strict| strict.r#type) {
+                assert_eq!(
+                    names.eight_type.map(planner::EightType::name),
+                    Some(kind.as_str()),
+                    "eight type {id}"
+                );
+                counts[2] += 1;
+            }
+            let s_curve = planner::plan_move(&problem).unwrap().classification();
+            close(&format!("speed {id}"), names.feed_rate, s_curve.feed_rate, DERIVATIVE * names.feed_rate);
+            let speed = names.feed_rate;
+            assert_eq!(names, planner::Classification { feed_rate: speed, ..s_curve }, "{id}");
+        }
+    }
+    assert!(counts[0] >= 200 && counts[1] >= 1 && counts[2] >= 1, "{counts:?}");
 }

@@ -100,6 +100,10 @@ fn the_words_of_every_reason() {
             "is not set, and order 5 needs it: state the limit, or ask for order 4",
         ),
         (
+            Why::LimitsTooFew { order: 7, needed: 3, given: 1, lower: 5 },
+            "has 1 limit, and order 7 needs 3, of the fifth derivative up to its own: add what is missing, or ask for order 5",
+        ),
+        (
             Why::NotAtRest { given: 0.5, family: "TRIGONOMETRIC" },
             "is 0.5: the family TRIGONOMETRIC goes from rest to rest, so give 0 or choose S_CURVE",
         ),
@@ -395,7 +399,15 @@ fn limits_that_an_order_needs() {
             ],
         ),
         (5, with(None, 1), vec![format!("{snap} 5 needs it: state the limit, or ask for order 3")]),
-        (8, with(Some(1.0), 3), vec![format!("{higher} 8 needs it: state the limit, or ask for order 7")]),
+        (
+            8,
+            with(Some(1.0), 3),
+            vec![
+                "axes[0].limits.max_higher_derivatives: has 3 limits, and order 8 needs 4, of the fifth derivative up to its own: \
+                 add what is missing, or ask for order 7"
+                    .to_owned(),
+            ],
+        ),
     ];
     for (order, axis, said) in rows {
         let said: Vec<&str> = said.iter().map(String::as_str).collect();

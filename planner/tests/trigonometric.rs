@@ -80,3 +80,42 @@ fn moves_solved_at_sixty_digits() {
     }
     assert_eq!(records.len(), 100);
 }
+
+/// Limits and distances at which a hold or the cruise is exactly zero, in numbers that are not: no piece is left that is all rounding.
+#[test]
+fn no_piece_is_a_rounding() {
+    let mut ties = 0;
+    for tenths in 1..=40 {
+        for third in 1..=9 {
+            let (acceleration, jerk) = (0.1 * f64::from(tenths), 1.0 / 3.0 * f64::from(third));
+            let pulse = acceleration / jerk;
+            // The velocity at which the acceleration is just reached, and twice that; the least distance that takes it, and a longer one.
+            for velocity in [acceleration * pulse, 2.0 * acceleration * pulse, 0.7 * acceleration * pulse] {
+                let ramp = if velocity * jerk > acceleration * acceleration {
+                    velocity / acceleration + pulse
+                } else {
+                    2.0 * (velocity / jerk).sqrt()
+                };
+                for distance in [velocity * ramp, 2.0 * acceleration * pulse * pulse, 3.0 * velocity * ramp] {
+                    let problem = polynomial_problem(0.0, distance, &[velocity, acceleration, 2.0 * jerk]);
+                    let planned = plan_trigonometric(&problem).unwrap();
+                    let shortest =
+                        planned.segments().iter().map(|piece| piece.duration).fold(f64::MAX, f64::min);
+                    assert!(
+                        shortest > 1e-14 * planned.duration(),
+                        "{shortest:e} s of {} s at {distance}, {velocity}, {acceleration}, {jerk}",
+                        planned.duration()
+                    );
+                    ties += usize::from(planned.segments().len() < 7);
+                    let third = planner::plan_polynomial(
+                        &polynomial_problem(0.0, distance, &[velocity, acceleration, jerk]),
+                        3,
+                    );
+                    // The same recursion: as many pieces.
+                    assert_eq!(third.unwrap().to_profile().segments().len(), planned.segments().len());
+                }
+            }
+        }
+    }
+    assert!(ties > 1000, "{ties}");
+}

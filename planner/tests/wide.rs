@@ -173,17 +173,6 @@ fn legal(planned: &Transit, asked: &Transfer) {
     assert_eq!(found, [], "{asked:?}: {planned:?}");
 }
 
-/// With the jerk that the axis has on the line, by which it is led back where it begins beyond its bounds.
-fn on_its_line(asked: &Transfer, planned: &Transit) -> Transfer {
-    let jerks = planned.segments().into_iter().filter_map(|segment| match segment.law {
-        Law::ConstantJerk(jerk) => Some(jerk.abs()),
-        _ => None,
-    });
-    let max_jerk = jerks.fold(0.0, f64::max);
-    let bounds = Bounds::try_from(BoundsSpec { max_jerk, ..*asked.bounds().spec() });
-    bounds.ok().and_then(|bounds| Transfer::new(asked.start(), asked.goal(), bounds).ok()).unwrap_or(*asked)
-}
-
 /// The judge of limits lets nothing begin beyond them; what does, a plan's certificate says.
 #[track_caller]
 fn legal_within(planned: &Transit, start: State, goal: State, limits: &Limits) {
@@ -319,6 +308,25 @@ fn one_axis_within_limits(count: u32, seed: u64, decades: f64) {
     assert!(answered * 20 > asked);
 }
 
+/// On a line an axis has no more jerk than its share of what all of them can give it, and is led back by that.
+fn on_line(asked: &Transfer, all: &[Transfer]) -> Option<Transfer> {
+    // On a line all of these are in proportion; some may be zero for all.
+    let parts: [fn(&Transfer) -> f64; 5] = [
+        |one| (one.goal().position - one.start().position).abs(),
+        |one| one.start().velocity.abs(),
+        |one| one.start().acceleration.abs(),
+        |one| one.goal().velocity.abs(),
+        |one| one.goal().acceleration.abs(),
+    ];
+    let share = parts.into_iter().find(|part| all.iter().any(|one| part(one) > 0.0))?;
+    let jerks =
+        all.iter().filter(|one| share(one) > 0.0).map(|one| one.bounds().spec().max_jerk / share(one));
+    let spec = *asked.bounds().spec();
+    let max_jerk = spec.max_jerk.min(share(asked) * jerks.fold(f64::INFINITY, f64::min));
+    let bounds = Bounds::try_from(BoundsSpec { max_jerk, ..spec }).ok()?;
+    Transfer::new(asked.start(), asked.goal(), bounds).ok()
+}
+
 fn several_axes(count: u32, seed: u64, decades: f64) {
     let mut wide = Wide { random: Random(seed), decades };
     let mut slowest = Slowest::default();
@@ -358,10 +366,8 @@ fn several_axes(count: u32, seed: u64, decades: f64) {
             };
             assert!(agreed.duration <= LONGEST && agreed.duration >= timing.minimum_duration * (1.0 - 1e-15));
             for (transit, asked) in transits.iter().zip(&drawn) {
-                legal(
-                    transit,
-                    &if how == Synchronization::Phase { on_its_line(asked, transit) } else { *asked },
-                );
+                let on_line = (how == Synchronization::Phase).then(|| on_line(asked, &drawn)).flatten();
+                legal(transit, &on_line.unwrap_or(*asked));
             }
         }
     }

@@ -4,14 +4,16 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{HigherLimitFlags, LimitFlags, MoveFlags, figure};
+use super::{HigherLimitFlags, LimitFlags, MoveFlags, figure, scale};
 use crate::law::Law;
 
 /// Plan one move with several families, have the same simulated axis follow each, and show the differences.
 ///
-/// The axis is a linear motor of 6 kg on an air bearing that carries 1.5 kg on a flexible mount, read by a laser to 10 nm: it
-/// swings at 33.5 Hz, with half a percent of critical damping, and the drive's position loop has a gain of 60/s. All of it
-/// is simulated in this process, in virtual time: the same request, the same numbers.
+/// The axis fits the kind of the move. In metres it is a linear motor of 6 kg on an air bearing that carries 1.5 kg on a flexible
+/// mount, read by a laser to 10 nm, of 150 N. In radians it is a torque motor of 0.12 kg m² that carries 0.03 kg m² in the same way, read to
+/// 0.1 urad, of 30 N m. In pulses it is the linear motor, and a pulse is a micrometre, or what --pulses-per-metre makes it. Each swings at 33.5
+/// Hz, with half a percent of critical damping, and the drive's position loop has a gain of 60/s. All of it is simulated in this process, in
+/// virtual time: the same request, the same numbers. Where a motor comes to the end of its effort, the table says so.
 #[derive(Debug, Args)]
 #[command(
     allow_negative_numbers = true,
@@ -54,9 +56,12 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "FILE.json", num_args = 1.., help_heading = "Input from files", group = "files",
         conflicts_with_all = ["MoveFlags", "LimitFlags", "HigherLimitFlags", "families"])]
     pub(crate) request: Vec<PathBuf>,
-    /// What the axis that follows is made of: a list of one AxisModel, in proto3 JSON, instead of the linear motor.
+    /// What the axis that follows is made of: a list of one AxisModel, in proto3 JSON, instead of the motor of its kind.
     #[arg(long, value_name = "FILE.json", help_heading = "Input from files")]
     pub(crate) model: Option<PathBuf>,
+    /// How many pulses a metre has for the linear motor that follows an axis in pulses [1/m]; 1000000 if not given.
+    #[arg(long, value_name = "N", help_heading = "Axis", value_parser = scale, conflicts_with = "model")]
+    pub(crate) pulses_per_metre: Option<f64>,
     /// How near to the goal counts as settled [u]; 1 um, 1 urad or one pulse if not given.
     #[arg(long, value_name = "U", help_heading = "Output")]
     pub(crate) settle_tolerance: Option<f64>,

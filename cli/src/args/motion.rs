@@ -65,7 +65,10 @@ impl MoveFlags {
     /// The request that the flags and the law stand for; nothing but clap has checked it.
     pub(crate) fn to_spec(&self, limits: LimitsSpec, law: Law) -> RequestSpec {
         let start_position = self.from.unwrap_or(0.0);
-        let goal_position = self.to.unwrap_or(start_position + self.distance.unwrap_or(0.0));
+        let distance = self.distance.unwrap_or(0.0);
+        // A start that is no number is wrong by itself, and the goal with it.
+        let way_end = if start_position.is_finite() { start_position + distance } else { distance };
+        let goal_position = self.to.unwrap_or(way_end);
         let at = |position, velocity: Option<f64>, acceleration: Option<f64>| State {
             position,
             velocity: velocity.unwrap_or(0.0),
@@ -104,7 +107,7 @@ pub(crate) enum Kind {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum ShortPath {
+pub(super) enum ShortPath {
     /// Refuse, and name the least length.
     Reject,
     /// End at the reachable velocity that is closest.

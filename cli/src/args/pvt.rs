@@ -134,7 +134,7 @@ impl PointFlags {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Policy {
+pub(super) enum Policy {
     /// Keep velocity and time, come as near to the position as can be; the next point makes it up.
     PreferVelocity,
     /// Keep position and time, with the nearest velocity that reaches it.
@@ -146,7 +146,7 @@ enum Policy {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Interpolation {
+pub(super) enum Interpolation {
     /// Ramps of limited jerk: every limit is kept.
     SShaped,
     /// A cubic per interval, for comparison: acceleration jumps, no limit is kept.

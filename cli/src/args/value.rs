@@ -51,6 +51,13 @@ pub(super) fn recording(text: &str) -> Result<PathBuf, String> {
     ))
 }
 
+/// How many of one unit make another: above 0, and such that numbers of the planner stay numbers in either.
+pub(super) fn scale(text: &str) -> Result<f64, String> {
+    const ALLOWED: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
+    let number: f64 = text.trim().parse().map_err(|_| format!("{text:?} is not a number"))?;
+    if ALLOWED.contains(&number) { Ok(number) } else { Err("give 1e-12 to 1e12".to_owned()) }
+}
+
 /// A time with its unit, in whole nanoseconds. Whether it is long enough is for the planner to say.
 pub(super) fn nanoseconds(text: &str) -> Result<i128, String> {
     const UNITS: [(&str, f64); 5] = [("ns", 1.0), ("us", 1e3), ("µs", 1e3), ("ms", 1e6), ("s", 1e9)];
@@ -96,6 +103,14 @@ mod tests {
         for (text, named) in [("x.pdf", "x.svg"), ("plot", "plot.svg"), ("a.svg/b", "a.svg/b.svg")] {
             let way_out = format!("{named} or {}", named.replace(".svg", ".png").replace("a.png/", "a.svg/"));
             assert!(figure(text).is_err_and(|why| why.ends_with(&way_out)), "{text}");
+        }
+    }
+
+    #[test]
+    fn scales_are_positive() {
+        assert_eq!((scale("1e6"), scale(" 0.5")), (Ok(1e6), Ok(0.5)));
+        for text in ["0", "-1", "NaN", "inf", "1e13", "a", ""] {
+            assert!(scale(text).is_err(), "{text}");
         }
     }
 

@@ -1,11 +1,9 @@
 use planner::{AxisKind, AxisPlan, Judged, LimitsSpec, RequestSpec, State};
 use proto::{Reason, Rejected};
-use sim_axis::{
-    Axis, AxisConfig, AxisModel, AxisModelSpec, DEFAULT_SETTLE_WINDOW, EncoderSpec, FrictionSpec, LoadSpec,
-    MechanicsSpec, ReportCard, ServoSpec,
-};
+use sim_axis::{Axis, AxisConfig, DEFAULT_SETTLE_WINDOW, ReportCard};
 
 use crate::args::CompareArgs;
+use crate::command::machine::{Machine, PULSES_PER_METRE};
 use crate::command::plan::in_flags;
 use crate::failure::Failure;
 use crate::law::Law;
@@ -17,17 +15,24 @@ use crate::source;
 
 /// `portamento compare`
 pub(crate) fn run(args: &CompareArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
+    if let Some(tolerance) =
+        args.settle_tolerance.filter(|tolerance| !(0.0..f64::INFINITY).contains(tolerance))
+    {
+        let text = format!("--settle-tolerance is {tolerance}: give a distance of 0 or more [u]");
+        return Err(Failure::Usage(text));
+    }
     let service = Service::open(server)?;
-    let model = match &args.model {
-        Some(path) => source::axis_model(path)?,
-        None => linear_motor(),
+    let model = args.model.as_deref().map(source::axis_model).transpose()?;
+    let machine = match &model {
+        Some(model) => Machine::Given(model),
+        None => Machine::Usual { pulses_per_metre: args.pulses_per_metre.unwrap_or(PULSES_PER_METRE) },
     };
-    let watched = Watched { model: &model, settle_tolerance: args.settle_tolerance };
+    let watched = Watched { machine, settle_tolerance: args.settle_tolerance };
     let (all, chosen) = if args.request.is_empty() {
         args.families.iter().try_for_each(|law| args.limits.check_jerk(*law))?;
         let spec = args.one.to_spec(args.higher.beside(&args.limits), Law::default());
-        families(&service, &spec, &args.families, watched)
-            .map_err(|failure| in_flags(failure, screen.json))?
+        let refused = |law, failure| of_law(in_flags(failure, screen.json), law);
+        families(&service, &spec, &args.families, watched, refused)?
     } else {
         let mut all = Vec::new();
         for path in &args.request {
@@ -40,38 +45,62 @@ pub(crate) fn run(args: &CompareArgs, server: Server<'_>, screen: &mut Screen<'_
     if kinds.windows(2).any(|pair| pair[0] != pair[1]) {
         return Err(Failure::NotAlike);
     }
+    let kind = kinds.first().copied().unwrap_or(AxisKind::Prismatic);
+    if args.pulses_per_metre.is_some() && kind != AxisKind::Pulses {
+        let text = "--pulses-per-metre is of axes in pulses, and this one is not: leave it out, or say --kind pulses";
+        return Err(Failure::Usage(text.to_owned()));
+    }
+    let words = machine.words(kind);
     if let Some(path) = &args.plot {
-        plot::write(path, &plot::of_comparison(&all))?;
+        plot::write(path, &plot::of_comparison(&all, &words))?;
     }
     if screen.json {
         writeln!(screen.out, "{}", compared::json(&all, &chosen.limits()))?;
         return Ok(());
     }
-    compared::tables(screen, &all)?;
-    compared::chosen_limits(screen, kinds.first().copied().unwrap_or(AxisKind::Prismatic), &chosen.limits())?;
+    compared::tables(screen, &all, &words)?;
+    compared::chosen_limits(screen, kind, &chosen.limits())?;
     Ok(())
 }
 
 /// The axis that follows, and when it counts as settled [axis units].
 #[derive(Clone, Copy)]
 pub(super) struct Watched<'a> {
-    pub(super) model: &'a AxisModel,
+    pub(super) machine: Machine<'a>,
     pub(super) settle_tolerance: Option<f64>,
 }
 
-/// The move of `spec` by each of `laws`, followed by the same axis; and the limits that had to be chosen for it.
+/// A refusal of one of several families, in the words in which it was asked for: there is no flag for an order.
+fn of_law(failure: Failure, law: Law) -> Failure {
+    match failure {
+        Failure::Refused(mut rejected) => {
+            for violation in &mut rejected.fields {
+                if violation.field == "--order" {
+                    violation.field = format!("--families {law}");
+                }
+            }
+            Failure::Refused(rejected)
+        }
+        other => other,
+    }
+}
+
+/// The move of `spec` by each of `laws`, followed by the same axis; and the limits that had to be chosen for it. `refused` says why there is
+/// none of a law.
 pub(super) fn families(
     service: &Service,
     spec: &RequestSpec,
     laws: &[Law],
     watched: Watched<'_>,
+    refused: impl Fn(Law, Failure) -> Failure,
 ) -> Result<(Vec<Compared>, Chosen), Failure> {
     let mut spec = spec.clone();
     let chosen = Chosen::fill(&mut spec, laws);
     let mut all = Vec::new();
     for law in laws {
         let spec = RequestSpec { family: Ok(law.family), order: law.order, ..spec.clone() };
-        all.extend(followed(&law.to_string(), &service.plan(spec)?, watched)?);
+        let judged = service.plan(spec).map_err(|failure| refused(*law, failure))?;
+        all.extend(followed(&law.to_string(), &judged, watched)?);
     }
     Ok((all, chosen))
 }
@@ -122,33 +151,6 @@ impl Chosen {
     }
 }
 
-/// The axis that the comparison is made on: a linear motor on an air bearing, so without friction worth mentioning, with a load on a
-/// flexible mount; fed back by a laser encoder on the motor. It is the kind of machine that Nguyen, Ng and Chen (2008)
-/// measured; of theirs no figures are known.
-///
-/// The load swings at 30 Hz behind a motor that is held and at 33.5 Hz freely, with half a percent of critical damping: in the
-/// 50 ms in which the acceleration of their move comes to 0.6 m/s² it swings 1.7 times, so that the third order does not cancel
-/// its own swing, which it would where that number is whole.
-fn linear_motor() -> AxisModel {
-    let spec = AxisModelSpec {
-        mechanics: MechanicsSpec {
-            load: LoadSpec::TwoMass {
-                motor_inertia: 6.0,
-                load_inertia: 1.5,
-                stiffness: 5.33e4,
-                damping: 2.83,
-            },
-            friction: FrictionSpec { viscous: 2.0, ..FrictionSpec::default() },
-            max_effort: 150.0,
-        },
-        servo: ServoSpec { position_gain: 60.0, ..ServoSpec::default() },
-        encoder: EncoderSpec { resolution: 1e-8 },
-        ..AxisModelSpec::ideal("")
-    };
-    // Its numbers are constants, and a test makes it.
-    AxisModel::try_from(spec).unwrap_or_else(|_| AxisModel::flexible(""))
-}
-
 /// The longest motion that is compared \[cycles\], ten minutes of milliseconds: every cycle of every family is kept for the
 /// figure, and nobody looks at more.
 const MOST_CYCLES: u64 = 600_000;
@@ -169,7 +171,7 @@ fn followed(name: &str, judged: &Judged, watched: Watched<'_>) -> Result<Vec<Com
     let each = plan.axes().iter().enumerate().map(|(index, axis)| {
         let name = if several { format!("{name}, {}", axis.axis) } else { name.to_owned() };
         let (curves, card) = follow(judged, index, axis, watched)?;
-        Ok(Compared::new(name, judged, axis, curves, card))
+        Ok(Compared::new(name, judged, axis, curves, card, watched.machine.effort_limit(axis.kind)))
     });
     each.collect()
 }
@@ -178,7 +180,7 @@ fn follow(
     judged: &Judged,
     index: usize,
     axis: &AxisPlan,
-    Watched { model, settle_tolerance }: Watched<'_>,
+    Watched { machine, settle_tolerance }: Watched<'_>,
 ) -> Result<(Curves, ReportCard), Failure> {
     let plan = judged.plan();
     let cycle = plan.cycle_time().as_seconds();
@@ -191,7 +193,8 @@ fn follow(
     let mut sampler = plan.sampler();
     let mut setpoint_at = |cycle| sampler.at(cycle).nth(index).unwrap_or_default().state;
     let start = setpoint_at(0);
-    let mut machine = Axis::new(&model.renamed(axis.axis.clone()), config, &start)
+    let model = machine.model(axis.kind).renamed(axis.axis.clone());
+    let mut machine = Axis::new(&model, config, &start)
         .map_err(|cause| Failure::Simulation { axis: axis.axis.clone(), cause })?;
     for number in 1..=plan.cycle_count() {
         let setpoint = setpoint_at(number);
@@ -212,26 +215,5 @@ fn settled_within(kind: AxisKind) -> f64 {
     match kind {
         AxisKind::Prismatic | AxisKind::Revolute => 1e-6,
         AxisKind::Pulses => 1.0,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_linear_motor_is_as_it_is_described() {
-        let model = linear_motor();
-        assert_ne!(model, AxisModel::flexible(""));
-        let LoadSpec::TwoMass { motor_inertia, load_inertia, stiffness, damping } =
-            model.spec().mechanics.load
-        else {
-            panic!("{model:?}")
-        };
-        let held = (stiffness / load_inertia).sqrt() / std::f64::consts::TAU;
-        let free = held * (1.0 + load_inertia / motor_inertia).sqrt();
-        assert!((held - 30.0).abs() < 0.01 && (free - 33.54).abs() < 0.01, "{held} {free}");
-        let share = damping / (2.0 * (stiffness * load_inertia).sqrt());
-        assert!((share - 0.005).abs() < 1e-4, "{share}");
     }
 }

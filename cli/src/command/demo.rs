@@ -14,6 +14,7 @@ use sim_axis::{AxisModel, Clock, TrackRequest, Tracking, TrackingReport, Update,
 
 use crate::args::DemoArgs;
 use crate::command::compare::{Watched, families};
+use crate::command::machine::Machine;
 use crate::failure::Failure;
 use crate::law::Law;
 use crate::record::Record;
@@ -57,10 +58,14 @@ pub(crate) fn run(args: &DemoArgs, screen: &mut Screen<'_>) -> Result<(), Failur
     draw(&args.plot, &judged, &outcome.tracked)?;
     let Outcome { report, change, results, undisturbed, .. } = outcome;
     let model = AxisModel::flexible("x");
-    let watched =
-        Watched { model: &model, settle_tolerance: Some(default_settle_tolerance(AxisKind::Prismatic)) };
+    let watched = Watched {
+        machine: Machine::Given(&model),
+        settle_tolerance: Some(default_settle_tolerance(AxisKind::Prismatic)),
+    };
     let (families, chosen) =
-        families(&Service::InProcess, &fifty_millimetres(), &Law::OF_THE_PAPER, watched)?;
+        families(&Service::InProcess, &fifty_millimetres(), &Law::OF_EVERY_FAMILY, watched, |_, failure| {
+            failure
+        })?;
     if screen.json {
         let answer = json!({
             "report": messages::tracking_report(&report)?,

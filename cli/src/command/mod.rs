@@ -9,6 +9,7 @@ mod explain;
 mod follow;
 mod grade;
 mod init;
+pub(crate) mod machine;
 mod operate;
 mod plan;
 mod pvt;

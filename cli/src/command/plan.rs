@@ -43,7 +43,7 @@ pub(super) fn in_flags(failure: Failure, json: bool) -> Failure {
         Failure::Refused(mut rejected) if !json => {
             for violation in &mut rejected.fields {
                 if let Some(flag) = args::flag_of(&violation.field) {
-                    violation.field = flag.to_owned();
+                    violation.field = flag;
                 }
                 violation.description = args::in_flags(&violation.description);
             }

@@ -8,7 +8,7 @@ use sim_axis::{Observation, ReportCard};
 
 use crate::show::number::{column, plain, unit};
 use crate::show::paint::{Screen, clean, wrapped};
-use crate::show::table::Table;
+use crate::show::table::{self, Table};
 
 /// One way to make the move: what is planned, and what an axis made of it.
 #[derive(Clone, Debug)]
@@ -22,6 +22,10 @@ pub(crate) struct Compared {
     peaks: [f64; 3],
     pub(crate) curves: Curves,
     card: ReportCard,
+    /// The most that the motor has, with its unit.
+    effort_limit: String,
+    /// The one limit that is kept while speeding up and while slowing down, where two are given.
+    alike: Option<String>,
 }
 
 /// Cycle by cycle.
@@ -34,6 +38,8 @@ pub(crate) struct Curves {
     /// Commanded minus measured at the motor, and commanded minus actual at the load [axis units].
     pub(crate) following_error: Vec<f64>,
     pub(crate) load_error: Vec<f64>,
+    /// The axis has left its setpoints for good.
+    diverged: bool,
 }
 
 impl Curves {
@@ -42,6 +48,7 @@ impl Curves {
         self.velocity.push(seen.measured_velocity);
         self.following_error.push(seen.following_error);
         self.load_error.push(setpoint.position - seen.load_position);
+        self.diverged |= seen.diverged;
     }
 }
 
@@ -52,6 +59,7 @@ impl Compared {
         axis: &AxisPlan,
         curves: Curves,
         card: ReportCard,
+        effort_limit: String,
     ) -> Self {
         let peak = |quantity| {
             let mut checks = judged.certificate().limits.iter();
@@ -66,6 +74,8 @@ impl Compared {
             peaks: [Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk].map(peak),
             curves,
             card,
+            effort_limit,
+            alike: table::alike(judged.plan(), axis),
         }
     }
 
@@ -76,13 +86,66 @@ impl Compared {
 }
 
 /// What is planned, and how the axis followed it.
-pub(crate) fn tables(screen: &mut Screen<'_>, all: &[Compared]) -> io::Result<()> {
+///
+/// `machine` says what followed, in a sentence.
+pub(crate) fn tables(screen: &mut Screen<'_>, all: &[Compared], machine: &str) -> io::Result<()> {
     let Some(kind) = all.first().map(|compared| compared.kind) else { return Ok(()) };
     let paint = screen.paint;
     writeln!(screen.out, "{}", paint.heading("The move"))?;
     screen.out.write_all(planned(all, kind).render(paint).as_bytes())?;
+    for sentence in alike(all) {
+        writeln!(screen.out, "{}", wrapped(&sentence, "  "))?;
+    }
     writeln!(screen.out, "\n{}", paint.heading("The axis that followed it"))?;
-    screen.out.write_all(followed(all, kind).render(paint).as_bytes())
+    writeln!(screen.out, "{}", wrapped(machine, "  "))?;
+    screen.out.write_all(followed(all, kind).render(paint).as_bytes())?;
+    for sentence in [saturated(all), diverged(all)].into_iter().flatten() {
+        writeln!(screen.out, "{}", wrapped(&sentence, "  "))?;
+    }
+    Ok(())
+}
+
+/// Which families have one limit for speeding up and slowing down where two are given, in a sentence for each such limit.
+fn alike(all: &[Compared]) -> Vec<String> {
+    let mut limits: Vec<&str> = Vec::new();
+    for limit in all.iter().filter_map(|one| one.alike.as_deref()) {
+        if !limits.contains(&limit) {
+            limits.push(limit);
+        }
+    }
+    let of = |limit: &str| {
+        let names = all.iter().filter(|one| one.alike.as_deref() == Some(limit)).map(|one| clean(&one.name));
+        let names = names.collect::<Vec<_>>().join(", ");
+        format!("Alike up and down, within the smaller limit of both ({limit}): {names}.")
+    };
+    limits.into_iter().map(of).collect()
+}
+
+/// Where the motor came to the end of its effort, and for how long, in a sentence.
+fn saturated(all: &[Compared]) -> Option<String> {
+    let weak: Vec<&Compared> = all.iter().filter(|one| one.card.effort_saturated_time > 0.0).collect();
+    let each = weak.iter().map(|one| {
+        format!("{} for {}\u{a0}ms", clean(&one.name), plain(one.card.effort_saturated_time * 1e3))
+    });
+    let limit = &weak.first()?.effort_limit;
+    Some(format!(
+        "The drive wanted more than the {limit} of the motor: {}. What is left there is the motor's doing, not the family's: \
+         lower the limits, or give a stronger axis by --model.",
+        each.collect::<Vec<_>>().join(", ")
+    ))
+}
+
+/// Which ways the axis lost altogether, in a sentence.
+fn diverged(all: &[Compared]) -> Option<String> {
+    let lost: Vec<String> =
+        all.iter().filter(|one| one.curves.diverged).map(|one| clean(&one.name)).collect();
+    (!lost.is_empty()).then(|| {
+        format!(
+            "The axis left its setpoints beyond any sense in {}: its figures there mean nothing. Lower the limits, or give \
+             another axis by --model.",
+            lost.join(", ")
+        )
+    })
 }
 
 /// How long each way takes and how the axis followed, in one small table.
@@ -202,6 +265,9 @@ pub(crate) fn json(all: &[Compared], chosen: &[(usize, f64)]) -> Value {
             "settlingTime": card.settling_time,
             "residualVibrationAmplitude": card.residual_vibration_amplitude,
             "residualVibrationFrequency": card.residual_vibration_frequency,
+            "maxEffort": card.max_effort,
+            "effortSaturatedTime": card.effort_saturated_time,
+            "diverged": one.curves.diverged,
         })
     });
     let chosen = chosen.iter().map(|(order, limit)| json!({ "order": order, "limit": limit }));

@@ -134,7 +134,7 @@ fn finding(plan: &Plan, violation: &Violation) -> String {
 }
 
 fn axis_plan(screen: &mut Screen<'_>, judged: &Judged, axis: &AxisPlan) -> io::Result<()> {
-    let paint = screen.paint;
+    let (paint, plan) = (screen.paint, judged.plan());
     let name = paint.heading(&format!("Axis {}", clean(&axis.axis)));
     let shape = passing(axis).unwrap_or_else(|| classification(&axis.classification, axis.kind));
     writeln!(screen.out, "\n{}", wrapped(&format!("{name}, {}: {shape}", kind(axis.kind)), ""))?;
@@ -146,11 +146,38 @@ fn axis_plan(screen: &mut Screen<'_>, judged: &Judged, axis: &AxisPlan) -> io::R
     for adjustment in &axis.adjustments {
         adjusted(screen, axis.kind, adjustment)?;
     }
+    if let Some(limits) = alike(plan, axis) {
+        let family = match plan.method().family {
+            Family::Polynomial => "A polynomial",
+            Family::SCurve | Family::Trapezoidal | Family::Trigonometric => "This family",
+        };
+        let text = format!(
+            "{family} speeds up and slows down alike, within the smaller limit of both: {limits}. An S-curve uses both."
+        );
+        writeln!(screen.out, "{}", wrapped(&text, "  "))?;
+    }
     if let Some(text) = held_back(judged, axis) {
         writeln!(screen.out)?;
         writeln!(screen.out, "{}", wrapped(&text, "  "))?;
     }
     Ok(())
+}
+
+/// The limit that a family keeps to while it speeds up and while it slows down, and the one that it leaves unused: where it has only one for
+/// both, and they differ.
+pub(crate) fn alike(plan: &Plan, axis: &AxisPlan) -> Option<String> {
+    let has_one = match plan.method().family {
+        Family::Polynomial | Family::Trigonometric => plan.method().pvt.is_none(),
+        Family::SCurve | Family::Trapezoidal => false,
+    };
+    let pair = [(axis.limits.acceleration(), "acceleration"), (axis.limits.deceleration(), "deceleration")];
+    let [kept, unused] = if pair[0].0 > pair[1].0 { [pair[1], pair[0]] } else { pair };
+    if !has_one || kept.0 >= unused.0 {
+        return None;
+    }
+    let unit = unit(axis.kind, Quantity::Acceleration);
+    let said = |(limit, name)| format!("{}\u{a0}{unit} of {name}", plain(limit));
+    Some(format!("{}, not {}", said(kept), said(unused)))
 }
 
 /// What is not as asked, and why, in a sentence.

@@ -152,6 +152,21 @@ pub enum Why {
         /// The highest order whose limits are all there.
         lower: usize,
     },
+    /// Limits of the fifth derivative and above, of which the order needs more.
+    #[error(
+        "has {}, and order {order} needs {needed}, of the fifth derivative up to its own: add what is missing, or ask for order {lower}",
+        HowMany(*.given)
+    )]
+    LimitsTooFew {
+        /// The order that was asked for.
+        order: usize,
+        /// How many limits of the fifth derivative and above it needs.
+        needed: usize,
+        /// How many were given.
+        given: usize,
+        /// The highest order whose limits are all there.
+        lower: usize,
+    },
     /// An end in motion, for a family that goes from rest to rest.
     #[error(
         "is {}: the family {family} goes from rest to rest, so give 0 or choose S_CURVE",
@@ -461,6 +476,18 @@ pub enum Why {
         /// The value.
         given: f64,
     },
+}
+
+/// So many limits.
+struct HowMany(usize);
+
+impl fmt::Display for HowMany {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            1 => f.write_str("1 limit"),
+            count => write!(f, "{count} limits"),
+        }
+    }
 }
 
 /// The way out that lies in time.

@@ -23,7 +23,7 @@ use crate::plan::{AxisPlan, Plan};
 use crate::{AdjustmentReason, Family, Limits, MAX_ORDER, Profile, Quantity, State};
 use crate::{Alone, Workers};
 pub use certificate::{Certificate, EndCheck, JoinCheck, LimitCheck, Violation};
-use extremes::{Extremes, Worst};
+use extremes::{Extremes, Worst, settled};
 use joins::Jumps;
 pub(crate) use recovery::{Recoveries, Recovery};
 pub use transfer::transfer_violations;
@@ -186,6 +186,8 @@ impl Certificate {
                 }
             }
             let Worst { margin, limit, extremum, at_time } = worst;
+            let at_time =
+                if profile.has_polynomials() { settled(profile, order + 1, at_time) } else { at_time };
             let led_back_by = match order {
                 1 => extremes.led_back.velocity_by(),
                 2 => extremes.led_back.acceleration_by(),

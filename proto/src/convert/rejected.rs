@@ -123,7 +123,7 @@ fn reason(why: &Why) -> Reason {
         }
         Why::NegativeDuration { .. } | Why::DurationParts { .. } => Reason::ValueOutOfRange,
         Why::EmptyRange { .. } => Reason::ValueOutOfRange,
-        Why::Missing { .. } | Why::LimitMissing { .. } => Reason::FieldMissing,
+        Why::Missing { .. } | Why::LimitMissing { .. } | Why::LimitsTooFew { .. } => Reason::FieldMissing,
         Why::Unspecified { .. } | Why::UnknownChoice { .. } | Why::UnknownName { .. } => {
             Reason::KindUnspecified
         }
@@ -215,6 +215,9 @@ fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
         Why::DurationParts { seconds, nanos } => vec![("given", format!("{seconds} s and {nanos} ns"))],
         Why::OrderUnsupported { given } => {
             vec![("given", given.to_string()), ("allowed", format!("2 to {}", planner::MAX_ORDER))]
+        }
+        Why::LimitsTooFew { needed, given, .. } => {
+            vec![("given", given.to_string()), ("needed", needed.to_string())]
         }
         Why::OrderOfFamily { given, order, .. } => {
             vec![("given", given.to_string()), ("allowed", order.to_string())]

@@ -144,12 +144,17 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    pub(super) fn of(least: f64, greatest: f64) -> Self {
+    pub(super) fn of(least: f64, greatest: f64, unit: &str) -> Self {
         let largest = least.abs().max(greatest.abs());
         if (1e-2..1e5).contains(&largest) || largest == 0.0 || !largest.is_finite() {
             return Self { factor: 1.0, prefix: String::new() };
         }
         let exponent = (largest.log10() / 3.0).floor() as i32 * 3;
+        let factor = 10f64.powi(exponent);
+        // Small lengths and angles have units that people say.
+        if let (Some(prefix), true) = (prefix(exponent), unit.starts_with('m') || unit.starts_with("rad")) {
+            return Self { factor, prefix: prefix.to_owned() };
+        }
         let digits: String = exponent
             .to_string()
             .chars()
@@ -161,6 +166,16 @@ impl Scale {
                 c => c.to_digit(10).and_then(|digit| char::from_u32(0x2070 + digit)).unwrap_or(c),
             })
             .collect();
-        Self { factor: 10f64.powi(exponent), prefix: format!("10{digits} ") }
+        Self { factor, prefix: format!("10{digits} ") }
+    }
+}
+
+/// Of the SI.
+fn prefix(exponent: i32) -> Option<&'static str> {
+    match exponent {
+        -3 => Some("m"),
+        -6 => Some("µ"),
+        -9 => Some("n"),
+        _ => None,
     }
 }

@@ -101,7 +101,7 @@ pub(crate) struct Band {
 pub(crate) enum Ink {
     /// For what belongs to no curve.
     Grey,
-    /// Of the palette, from 0 on; it begins again after its end.
+    /// Of the palette, from 0 on; after its end it begins again, with curves in dashes.
     Number(usize),
 }
 

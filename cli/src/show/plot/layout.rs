@@ -6,6 +6,7 @@ pub(super) const RIGHT: f64 = 936.0;
 pub(super) const PANEL: f64 = 160.0;
 pub(super) const PANEL_GAP: f64 = 20.0;
 pub(super) const TOP: f64 = 68.0;
+pub(super) const SUBTITLE_LINE: f64 = 18.0;
 pub(super) const LEGEND_LINE: f64 = 22.0;
 pub(super) const BANDS_LINE: f64 = 20.0;
 /// One strip, and what is free below the last.

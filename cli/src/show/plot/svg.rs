@@ -11,7 +11,8 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::axes::{Scale, Ticks, TimeAxis, ValueAxis, signed};
 use super::figure::{Figure, Ink, Limit, Mark, Marks, Panel, Series, Strip, Stroke};
 use super::layout::{
-    BANDS_LINE, BOTTOM, FINE, LEFT, LEGEND_LINE, PANEL, PANEL_GAP, RIGHT, STRIP, STRIPS_GAP, TOP, WIDTH,
+    BANDS_LINE, BOTTOM, FINE, LEFT, LEGEND_LINE, PANEL, PANEL_GAP, RIGHT, STRIP, STRIPS_GAP, SUBTITLE_LINE,
+    TOP, WIDTH,
 };
 use crate::failure::Failure;
 
@@ -34,6 +35,11 @@ impl Ink {
             Self::Number(number) => Self::PALETTE[number % Self::PALETTE.len()],
         }
     }
+
+    /// Has another curve its colour already?
+    fn is_dashed(self) -> bool {
+        matches!(self, Self::Number(number) if number >= Self::PALETTE.len())
+    }
 }
 
 const TEXT: RGBColor = RGBColor(31, 41, 55);
@@ -53,7 +59,9 @@ const TINT: f64 = 0.45;
 /// The figure as an SVG document.
 pub(crate) fn svg(figure: &Figure) -> Result<String, Failure> {
     let legend = Legend::of(figure);
-    let strips_top = TOP + legend.height();
+    let more_lines = lines(&figure.subtitle, RIGHT - LEFT).len().saturating_sub(1);
+    let legend_top = TOP + SUBTITLE_LINE * more_lines as f64;
+    let strips_top = legend_top + legend.height();
     let strips = figure.strips.len().min(MOST_STRIPS) as f64;
     let strips = if strips > 0.0 { strips * STRIP + STRIPS_GAP } else { 0.0 };
     let panels_top = strips_top + strips + if figure.bands.is_empty() { 0.0 } else { BANDS_LINE };
@@ -65,7 +73,7 @@ pub(crate) fn svg(figure: &Figure) -> Result<String, Failure> {
         let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
         let canvas = Canvas { area: &area, time: TimeAxis::of(figure) };
         canvas
-            .figure(figure, &legend, [strips_top, panels_top])
+            .figure(figure, &legend, [legend_top, strips_top, panels_top])
             .and_then(|()| area.present().map_err(internal))
     };
     drawn?;
@@ -155,12 +163,14 @@ struct Canvas<'a, 'b> {
 }
 
 impl Canvas<'_, '_> {
-    fn figure(&self, figure: &Figure, legend: &Legend<'_>, tops: [f64; 2]) -> Result<(), Failure> {
-        let [strips_top, panels_top] = tops;
+    fn figure(&self, figure: &Figure, legend: &Legend<'_>, tops: [f64; 3]) -> Result<(), Failure> {
+        let [legend_top, strips_top, panels_top] = tops;
         self.area.fill(&RGBColor(255, 255, 255)).map_err(internal)?;
         self.text(&figure.title, (LEFT, 20.0), &bold(label(17.0, TEXT, HPos::Left)))?;
-        self.text(&figure.subtitle, (LEFT, 44.0), &label(13.0, QUIET, HPos::Left))?;
-        self.legend(legend)?;
+        for (index, line) in lines(&figure.subtitle, RIGHT - LEFT).iter().enumerate() {
+            self.text(line, (LEFT, 44.0 + SUBTITLE_LINE * index as f64), &label(13.0, QUIET, HPos::Left))?;
+        }
+        self.legend(legend, legend_top)?;
         self.strips(figure, strips_top)?;
         let bottom = panels_top + figure.panels.len() as f64 * (PANEL + PANEL_GAP) - PANEL_GAP;
         self.bands(figure, panels_top)?;
@@ -182,8 +192,8 @@ impl Canvas<'_, '_> {
         self.text(&title, (0.5 * (LEFT + RIGHT), bottom + 38.0), &label(13.0, TEXT, HPos::Center))
     }
 
-    fn legend(&self, legend: &Legend<'_>) -> Result<(), Failure> {
-        let mut y = TOP + 4.0;
+    fn legend(&self, legend: &Legend<'_>, top: f64) -> Result<(), Failure> {
+        let mut y = top + 4.0;
         for row in &legend.rows {
             for (x, entry) in row {
                 match entry {
@@ -257,7 +267,7 @@ impl Canvas<'_, '_> {
 
     fn panel(&self, panel: &Panel, top: f64) -> Result<(), Failure> {
         let axis = ValueAxis::of(panel, top);
-        let scale = Scale::of(axis.least, axis.greatest);
+        let scale = Scale::of(axis.least, axis.greatest, &panel.unit);
         let ticks = Ticks::of(axis.least / scale.factor, axis.greatest / scale.factor, 6);
         for (value, text) in ticks.labels() {
             let y = axis.y(value * scale.factor);
@@ -328,7 +338,10 @@ impl Canvas<'_, '_> {
             Stroke::Under => (series.ink.color(), 4.0),
             Stroke::Over => (series.ink.color(), 1.3),
         };
-        self.line(points, color, width)
+        if !series.ink.is_dashed() {
+            return self.line(points, color, width);
+        }
+        dashes(points).iter().try_for_each(|dash| self.line(dash, color, width))
     }
 
     fn line(&self, points: &[(f64, f64)], color: RGBColor, width: f64) -> Result<(), Failure> {
@@ -344,6 +357,56 @@ impl Canvas<'_, '_> {
     fn text(&self, text: &str, at: (f64, f64), style: &TextStyle<'_>) -> Result<(), Failure> {
         self.area.draw_text(text, style, fine(at)).map_err(internal)
     }
+}
+
+/// A curve cut into dashes, by its length.
+fn dashes(points: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
+    const DASH: f64 = 7.0;
+    const GAP: f64 = 4.0;
+    let mut all = Vec::new();
+    let mut dash: Vec<(f64, f64)> = points.first().copied().into_iter().collect();
+    let (mut is_drawn, mut left) = (true, DASH);
+    for pair in points.windows(2) {
+        let (mut from, to) = (pair[0], pair[1]);
+        let mut rest = (to.0 - from.0).hypot(to.1 - from.1);
+        while rest > left {
+            let share = left / rest;
+            from = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+            rest -= left;
+            if is_drawn {
+                dash.push(from);
+                all.push(std::mem::take(&mut dash));
+            } else {
+                dash = vec![from];
+            }
+            is_drawn = !is_drawn;
+            left = if is_drawn { DASH } else { GAP };
+        }
+        left -= rest;
+        if is_drawn {
+            dash.push(to);
+        }
+    }
+    if dash.len() > 1 {
+        all.push(dash);
+    }
+    all
+}
+
+/// A text in lines of at most `width` pixels, at 13 px.
+fn lines(text: &str, width: f64) -> Vec<String> {
+    let most = (width / LETTER) as usize;
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= most => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 /// A colour that a label can be read on.
