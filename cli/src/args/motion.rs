@@ -46,7 +46,8 @@ pub(crate) struct MoveFlags {
     /// Arrive no earlier than this, with its unit, as 1.5s or 800ms; 0s asks nothing.
     #[arg(long, value_name = "TIME", help_heading = "Method", value_parser = nanoseconds)]
     minimum_duration: Option<i128>,
-    /// Stretch the move, from rest to rest, to a whole number of cycles; an S-curve in each of its pieces.
+    /// Stretch the move, from rest to rest, to a whole number of cycles; an S-curve in each of its pieces, unless it
+    /// waits for --minimum-duration.
     #[arg(long, help_heading = "Method")]
     end_on_cycle: bool,
 }

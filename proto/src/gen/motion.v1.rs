@@ -127,12 +127,13 @@ pub struct PlanRequest {
     /// How the axes share time. Unset: TIME.
     #[prost(enumeration = "Synchronization", tag = "6")]
     pub synchronization: i32,
-    /// Arrive no earlier than this, >= 0. Unset or 0: as early as the limits allow.
+    /// Arrive no earlier than this, >= 0: of axes that do not arrive together, the last of them. Unset
+    /// or 0: as early as the limits allow.
     #[prost(message, optional, tag = "7")]
     pub minimum_duration: ::core::option::Option<::prost_types::Duration>,
     /// Stretch the move, within its limits, to a whole number of cycles; from rest to rest. Of S_CURVE
-    /// each piece lasts whole cycles, for less than four more; any other family is slowed as a whole,
-    /// for less than one.
+    /// each piece lasts whole cycles, for less than four more; any other family, and whatever waits for
+    /// minimum_duration, is slowed as a whole, for less than one.
     #[prost(bool, tag = "8")]
     pub end_on_cycle: bool,
 }
