@@ -187,8 +187,8 @@ pub use transfer::{
 };
 pub use trigonometric::plan_trigonometric;
 pub use verify::{
-    Certificate, EndCheck, JOIN_TOLERANCE, JoinCheck, LIMIT_TOLERANCE, LimitCheck, Violation, certify,
-    certify_against, certify_by, transfer_violations, violations,
+    Certificate, EndCheck, JOIN_TOLERANCE, JoinCheck, LIMIT_TOLERANCE, LimitCheck, Reversal, Violation,
+    certify, certify_against, certify_by, transfer_violations, violations,
 };
 pub use workers::{Alone, Workers};
 
