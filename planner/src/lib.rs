@@ -165,8 +165,8 @@ pub use polynomial::{PolynomialMove, plan_polynomial};
 pub use problem::Problem;
 pub use profile::{Cursor, Profile};
 pub use pvt::{
-    PvtAxis, PvtAxisSpec, PvtInterpolation, PvtMethod, PvtMove, PvtPlan, PvtPlanner, PvtPointReport,
-    PvtPolicy, PvtRegion, PvtRequest, PvtRequestSpec, PvtTarget, plan_pvt, plan_pvt_by,
+    PvtAxis, PvtAxisSpec, PvtInterpolation, PvtMethod, PvtMove, PvtOffers, PvtPlan, PvtPlanner,
+    PvtPointReport, PvtPolicy, PvtRegion, PvtRequest, PvtRequestSpec, PvtTarget, plan_pvt, plan_pvt_by,
 };
 pub use quantity::Quantity;
 pub use request::{
