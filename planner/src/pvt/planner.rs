@@ -4,13 +4,13 @@ use arrayvec::ArrayVec;
 
 use super::command::{Command, Reach};
 use super::lane::Lanes;
-use super::{PvtPolicy, PvtRegion, pieces};
+use super::{PvtInterpolation, PvtPolicy, PvtRegion, pieces, polynomial};
 use crate::classify::Classification;
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::largest;
 use crate::limits::{is_number, not_finite};
 use crate::problem::within_limits;
-use crate::{Adjustment, AdjustmentReason, Limits, Move, Quantity, Setpoint, State};
+use crate::{Adjustment, AdjustmentReason, Limits, Move, Quantity, Segment, Setpoint, State};
 
 /// What the next command asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +21,23 @@ pub struct PvtTarget {
     pub velocity: f64,
     /// How long from where the command before it ended \[s\], > 0.
     pub duration: f64,
+}
+
+impl PvtTarget {
+    /// The one piece by which a polynomial leads from `start` to the target, as [`plan_pvt`](crate::plan_pvt) has it: for comparison, since it keeps no
+    /// limit. None for ramps, which are several.
+    ///
+    /// ```
+    /// # use planner::{PvtInterpolation, PvtTarget, State};
+    /// let target = PvtTarget { position: 1.0, velocity: 0.0, duration: 2.0 };
+    /// let cubic = target.joined_from(State::default(), PvtInterpolation::Cubic).expect("one piece");
+    /// assert_eq!(cubic.at(1.0).state.velocity, 0.75); // 3S/2T
+    /// assert_eq!(target.joined_from(State::default(), PvtInterpolation::SShaped), None);
+    /// ```
+    #[must_use]
+    pub fn joined_from(&self, start: State, interpolation: PvtInterpolation) -> Option<Segment> {
+        polynomial::piece(interpolation, start, self)
+    }
 }
 
 /// The motion of one command: pieces on the stack, what is not as asked, and what could have been asked.
