@@ -152,15 +152,7 @@ impl Profile {
                 (begin + ends[0], middle.state.velocity)
             }));
         }
-        let fastest = spans.iter().fold(0.0, |most, (_, velocity)| largest(most, velocity.abs()));
-        let mut sign = 0.0;
-        spans.into_iter().filter(move |(_, velocity)| velocity.abs() > ROUNDED_SPEED * fastest).filter_map(
-            move |(time, velocity)| {
-                let turns = velocity * sign < 0.0;
-                sign = velocity.signum();
-                turns.then_some(time)
-            },
-        )
+        turns(spans)
     }
 
     /// Which piece time `t` lies in, and when in that piece \[s\]; the one after the last from `duration` on.
@@ -187,6 +179,18 @@ impl Profile {
     pub fn followed_by(&self, more: &Profile) -> Self {
         Self::new(self.segments().iter().chain(more.segments()), more.end)
     }
+}
+
+/// When a motion turns back, of spans in which its velocity keeps its sign: when each begins \[s\], and a velocity inside it.
+pub(crate) fn turns(spans: Vec<(f64, f64)>) -> impl Iterator<Item = f64> {
+    let fastest = spans.iter().fold(0.0, |most, (_, velocity)| largest(most, velocity.abs()));
+    let mut sign = 0.0;
+    let directed = spans.into_iter().filter(move |(_, velocity)| velocity.abs() > ROUNDED_SPEED * fastest);
+    directed.filter_map(move |(time, velocity)| {
+        let turns = velocity * sign < 0.0;
+        sign = velocity.signum();
+        turns.then_some(time)
+    })
 }
 
 /// Of the fastest \[1\]: a speed up to this may be that of a motion which has arrived, at a zero of its velocity that was found a rounding

@@ -169,7 +169,8 @@ impl Certificate {
         let asked = |order: usize| promise.limited[order] || limits.higher(order).is_some();
         let highest = (4..=MAX_ORDER).rev().find(|&order| asked(order)).unwrap_or(3);
         let highest_joined = (3..MAX_ORDER).rev().find(|&order| promise.joined[order]).unwrap_or(2);
-        let extremes = Extremes::of(profile, limits, highest.max(highest_joined), promise.leads_back);
+        let (orders, tells_turns) = (highest.max(highest_joined), !promise.limited[1]);
+        let mut extremes = Extremes::of(profile, limits, orders, promise.leads_back, tells_turns);
         let allowed = extremes.allowed(&goal);
         let jumps = Jumps::of(profile, highest.max(highest_joined + 1), promise);
         let axis: Arc<str> = axis.into();
@@ -224,8 +225,8 @@ impl Certificate {
             }
         }
 
-        if !promise.limited[1] {
-            self.turn_back(profile.reversals().map(|at_time| Reversal {
+        if tells_turns {
+            self.turn_back(extremes.turns().map(|at_time| Reversal {
                 axis: Arc::clone(&axis),
                 at_time,
                 position: profile.at(at_time).state.position,
