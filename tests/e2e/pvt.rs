@@ -207,7 +207,9 @@ async fn a_point_that_cannot_be_met_is_refused_with_what_could() {
     let mut mended = hurried.clone();
     mended.velocities[3] = figure("nearest");
     mended.positions[3] = figure("nearest_position");
-    [&mut mended.times, &mut mended.positions, &mut mended.velocities].map(|list| list.truncate(4));
+    for list in [&mut mended.times, &mut mended.positions, &mut mended.velocities] {
+        list.truncate(4);
+    }
     assert!(planner.plan_pvt(pb::PlanPvtRequest::from(rejecting(vec![mended]))).await.is_ok());
     let client = server.client().await;
     let adjusted = client.plan_pvt(request(vec![hurried])).await.unwrap();
