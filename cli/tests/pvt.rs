@@ -339,8 +339,16 @@ fn what_is_no_message_is_said_with_where_and_what_to_do() {
         "{err}"
     );
     assert!(err.contains("correct it there, or begin with an example of `portamento init`"), "{err}");
-    let err = portamento(&["pvt", "--request", "-"], "").with(2).err.replace('\n', " ");
-    assert!(err.contains("standard input is not a PlanPvtRequest"), "{err}");
+    for (text, said) in [
+        ("", "line 1, column 0: there is nothing in it: "),
+        ("nonsense", "line 1, column 2: this is not how JSON goes on (expected ident): "),
+        ("{\"axes\": [", "line 1, column 10: it ends before the JSON does (EOF while parsing a list): "),
+        ("{} {}", "line 1, column 4: the JSON has ended before this: "),
+        ("{\"axis\": []}", "unrecognized field name 'axis': "),
+    ] {
+        let err = portamento(&["pvt", "--request", "-"], text).with(2).err.replace('\n', " ");
+        assert!(err.contains(said), "{text}: {err}");
+    }
 }
 
 #[test]

@@ -63,6 +63,14 @@ fn lists_that_are_no_points() {
             "axes[0].velocities: has 3 elements, and times has 2: give every point a time, a position and a velocity",
         ],
     );
+    // What is wrong where one list has no number any more is told at once.
+    check_axis(
+        axis("x", &[1.0, 2.0], &[0.5], &[0.0, 1.5]),
+        &[
+            "axes[0].positions: has 1 elements, and times has 2: give every point a time, a position and a velocity",
+            "axes[0].velocities[1]: is 1.5, beyond 1: end inside the limit or raise limits.max_velocity",
+        ],
+    );
     check(plan(request(Vec::new())), &["axes: is empty: give at least one axis"]);
     let point = || axis("x", &[1.0], &[0.0], &[0.0]);
     check(
