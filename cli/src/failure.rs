@@ -15,19 +15,22 @@ pub(crate) enum Failure {
     #[error("the plans differ, as said above")]
     Differ,
     /// The answer could not be given.
-    #[error("{path} cannot be written: {cause}: choose a place that can be, with room left", path = place(.path))]
+    #[error("{path} cannot be written: {cause}: choose a place that can be, with room left", path = place(.path, "output"))]
     Unwritable { path: PathBuf, cause: io::Error },
     /// The answer could not be computed or drawn, through no fault of the caller's.
     #[error("{0}")]
     Internal(String),
     /// Something that was named on the command line cannot be read.
-    #[error("{path} cannot be read: {cause}: name a file that can be, or - for standard input", path = place(.path))]
+    #[error("{path} cannot be read: {cause}: name a file that can be, or - for standard input", path = place(.path, "input"))]
     Unreadable { path: PathBuf, cause: io::Error },
     /// It can be read, and is something else.
-    #[error("{path} is not a {expected} in proto3 JSON: {cause}", path = place(.path))]
+    #[error(
+        "{path} is not a {expected} in proto3 JSON: {cause}: correct it there, or begin with an example of `portamento init`",
+        path = place(.path, "input")
+    )]
     NotAMessage { path: PathBuf, expected: &'static str, cause: JsonError },
     /// A table that is none.
-    #[error("{path}, line {line}: {cause}", path = place(.path))]
+    #[error("{path}, line {line}: {cause}", path = place(.path, "input"))]
     NotPoints { path: PathBuf, line: usize, cause: String },
     /// The planner, or the server, says no.
     #[error("{0}")]
@@ -42,7 +45,7 @@ pub(crate) enum Failure {
     #[error("axis {axis:?} cannot be simulated: {cause}")]
     Simulation { axis: String, cause: sim_axis::InvalidConfig },
     /// A file that does not say what an axis is made of.
-    #[error("{path} is not an AxisModel in proto3 JSON: {cause}", path = place(.path))]
+    #[error("{path} is not an AxisModel in proto3 JSON: {cause}", path = place(.path, "input"))]
     NotAModel { path: PathBuf, cause: sim_axis::ModelFileError },
     /// Nobody answers.
     #[error(
@@ -130,7 +133,7 @@ impl From<JsonError> for Failure {
     }
 }
 
-/// How a file is called in a sentence.
-fn place(path: &Path) -> String {
-    if path.as_os_str() == "-" { "standard input or output".to_owned() } else { path.display().to_string() }
+/// How a file is called in a sentence; `-` is the standard stream that it is used as.
+fn place(path: &Path, used_as: &str) -> String {
+    if path.as_os_str() == "-" { format!("standard {used_as}") } else { path.display().to_string() }
 }

@@ -216,5 +216,20 @@ pub(crate) fn without_comments(text: &str) -> Cow<'_, str> {
 }
 
 fn not_a(expected: &'static str, path: &Path) -> impl FnOnce(JsonError) -> Failure {
-    move |cause| Failure::NotAMessage { path: path.to_owned(), expected, cause }
+    move |cause| Failure::NotAMessage { path: path.to_owned(), expected, cause: in_words(cause) }
+}
+
+/// What the reader of JSON says of a text that is none, for whoever does not know its terms.
+fn in_words(error: JsonError) -> JsonError {
+    let JsonError::Read { line, column, cause } = error else { return error };
+    let cause = match cause.as_str() {
+        "EOF while parsing a value" if (line, column) == (1, 0) => "there is nothing in it".to_owned(),
+        cause if cause.starts_with("EOF") => format!("it ends before the JSON does ({cause})"),
+        "expected ident" | "expected value" | "key must be a string" => {
+            format!("this is not how JSON goes on ({cause})")
+        }
+        "trailing characters" => "the JSON has ended before this: give one message".to_owned(),
+        _ => cause,
+    };
+    JsonError::Read { line, column, cause }
 }

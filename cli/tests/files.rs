@@ -86,7 +86,8 @@ fn comments_are_read_wherever_requests_are() {
     assert_eq!(portamento(&["plan", "--request", "-", "--json"], &commented).with(0).out, plain);
     assert_eq!(portamento(&["plan", "--batch", "-"], &commented).with(0).out, plain);
     // What is wrong is found where it stands.
-    let wrong = portamento(&["plan", "--request", "-"], "// µ\n{\"axse\": []}").with(2).err;
+    let wrong =
+        portamento(&["plan", "--request", "-"], "// µ\n{\"axse\": []}").with(2).err.replace('\n', " ");
     assert!(wrong.contains("column 7: unrecognized"), "{wrong}");
 }
 

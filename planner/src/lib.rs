@@ -166,8 +166,8 @@ pub use polynomial::{PolynomialMove, plan_polynomial};
 pub use problem::Problem;
 pub use profile::{Cursor, Profile};
 pub use pvt::{
-    PvtAxis, PvtAxisSpec, PvtInterpolation, PvtMethod, PvtMove, PvtPlan, PvtPlanner, PvtPointReport,
-    PvtPolicy, PvtRegion, PvtRequest, PvtRequestSpec, PvtTarget, plan_pvt, plan_pvt_by,
+    PvtAxis, PvtAxisSpec, PvtInterpolation, PvtMethod, PvtMove, PvtOffers, PvtPlan, PvtPlanner,
+    PvtPointReport, PvtPolicy, PvtRegion, PvtRequest, PvtRequestSpec, PvtTarget, plan_pvt, plan_pvt_by,
 };
 pub use quantity::Quantity;
 pub use request::{
@@ -188,8 +188,8 @@ pub use transfer::{
 };
 pub use trigonometric::plan_trigonometric;
 pub use verify::{
-    Certificate, EndCheck, JOIN_TOLERANCE, JoinCheck, LIMIT_TOLERANCE, LimitCheck, Violation, certify,
-    certify_against, certify_by, transfer_violations, violations,
+    Certificate, EndCheck, JOIN_TOLERANCE, JoinCheck, LIMIT_TOLERANCE, LimitCheck, Reversal, Violation,
+    certify, certify_against, certify_by, transfer_violations, violations,
 };
 pub use workers::{Alone, Workers};
 

@@ -1,5 +1,6 @@
 use alloc::vec::Vec;
 
+use crate::float::largest;
 use crate::segments::{Pieces, Segments};
 use crate::{Segment, Setpoint, State};
 
@@ -135,7 +136,8 @@ impl Profile {
         Self::of_pieces(pieces, end)
     }
 
-    /// When the axis turns back \[s\]: each instant at which the velocity changes its sign, in order.
+    /// When the axis turns back \[s\]: each instant at which the velocity changes its sign, in order. A speed that is a rounded zero beside
+    /// the fastest goes in no direction.
     ///
     /// ```
     /// # use planner::{Law, Profile, Segment, State};
@@ -147,23 +149,16 @@ impl Profile {
     /// assert_eq!(Profile::new([throw], throw.end()).reversals().collect::<Vec<_>>(), [1.0]);
     /// ```
     pub fn reversals(&self) -> impl Iterator<Item = f64> {
-        let mut sign = 0.0;
-        self.timed_segments()
-            .flat_map(|(begin, segment)| {
-                let times = segment.turning_points();
-                // Between two turning points the velocity keeps its sign.
-                (1..times.len()).map(move |index| {
-                    let middle = 0.5 * (times[index - 1] + times[index]);
-                    (begin + times[index - 1], segment.at(middle).state.velocity)
-                })
-            })
-            .filter_map(move |(time, velocity)| {
-                let turns = velocity * sign < 0.0;
-                if velocity != 0.0 {
-                    sign = velocity.signum();
-                }
-                turns.then_some(time)
-            })
+        // Between two turning points the velocity keeps its sign.
+        let mut spans: Vec<(f64, f64)> = Vec::with_capacity(self.begins.len());
+        for (begin, segment) in self.timed_segments() {
+            let times = segment.turning_points();
+            spans.extend(times.windows(2).map(|ends| {
+                let middle = segment.at(0.5 * (ends[0] + ends[1]));
+                (begin + ends[0], middle.state.velocity)
+            }));
+        }
+        turns(spans)
     }
 
     /// Which piece time `t` lies in, and when in that piece \[s\]; the one after the last from `duration` on.
@@ -191,6 +186,23 @@ impl Profile {
         Self::new(self.segments().iter().chain(more.segments()), more.end)
     }
 }
+
+/// When a motion turns back, of spans in which its velocity keeps its sign: when each begins \[s\], and a velocity inside it.
+pub(crate) fn turns(spans: Vec<(f64, f64)>) -> impl Iterator<Item = f64> {
+    let fastest = spans.iter().fold(0.0, |most, (_, velocity)| largest(most, velocity.abs()));
+    let mut sign = 0.0;
+    let directed = spans.into_iter().filter(move |(_, velocity)| velocity.abs() > ROUNDED_SPEED * fastest);
+    directed.filter_map(move |(time, velocity)| {
+        let turns = velocity * sign < 0.0;
+        sign = velocity.signum();
+        turns.then_some(time)
+    })
+}
+
+/// Of the fastest \[1\]: a speed up to this may be that of a motion which has arrived, at a zero of its velocity that was found a rounding
+/// early. Zeros are closed in on to 4ε of a duration T, and where a polynomial of degree n and greatest magnitude M vanishes its slope is at
+/// most 2n²M/T (Markov): for the velocity of a quintic, n = 4, that is 128ε of M.
+const ROUNDED_SPEED: f64 = 128.0 * f64::EPSILON;
 
 /// Makes the running sum of `durations` come to `total`, of which it is some roundings short or long, to the last bit or two, by a
 /// change of the longest, where it is worth least.

@@ -1,7 +1,12 @@
 //! The words of every refusal of points, and where each is said.
 
 #![allow(clippy::float_cmp, reason = "what is kept is kept to the last bit")]
-#![allow(clippy::unwrap_used, clippy::unwrap_in_result, reason = "a test may fail by panicking")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::unwrap_in_result,
+    clippy::panic,
+    reason = "a test may fail by panicking"
+)]
 
 use planner::{
     AxisKind, InvalidFields, LimitsSpec, PvtAxisSpec, PvtInterpolation, PvtPlan, PvtPlanner, PvtPolicy,
@@ -56,6 +61,14 @@ fn lists_that_are_no_points() {
         &[
             "axes[0].positions: has 1 elements, and times has 2: give every point a time, a position and a velocity",
             "axes[0].velocities: has 3 elements, and times has 2: give every point a time, a position and a velocity",
+        ],
+    );
+    // What is wrong where one list has no number any more is told at once.
+    check_axis(
+        axis("x", &[1.0, 2.0], &[0.5], &[0.0, 1.5]),
+        &[
+            "axes[0].positions: has 1 elements, and times has 2: give every point a time, a position and a velocity",
+            "axes[0].velocities[1]: is 1.5, beyond 1: end inside the limit or raise limits.max_velocity",
         ],
     );
     check(plan(request(Vec::new())), &["axes: is empty: give at least one axis"]);
@@ -174,14 +187,17 @@ fn points_that_cannot_be_met() {
     check(
         plan(spec),
         &[
-            "axes[0].positions[1]: is 0.5, and 1 s lead to between -0.125 and 0.125: move the point there, allow \
-             1.5874010519681987 s, or name a policy that adjusts",
-            "axes[1].velocities[0]: cannot be reached in 0.5 s, which must be 2.1021287890229274 s at least: allow that, ask \
-             for 0.25, or name a policy that adjusts",
+            "axes[0].positions[1]: is 0.5, and 1 s lead to between -0.125 and 0.125: move the point to 0.125, keep the \
+             position with a velocity of 1, allow 1.5874010519681987 s, or name a policy that adjusts",
+            "axes[1].velocities[0]: is 1, and 0.5 s do not suffice for that: ask for a velocity of 0.25 at the position \
+             0.0625, keep the position with a velocity of 0.059016994374947424, allow 2.1021287890229274 s, or name a \
+             policy that adjusts",
         ],
     );
     assert!(plan(request(vec![axis("x", &[1.5874010519681987], &[0.5], &[0.0])])).is_ok());
     assert!(plan(request(vec![axis("y", &[2.1021287890229274], &[0.0], &[1.0])])).is_ok());
+    assert!(plan(request(vec![axis("y", &[0.5], &[0.0625], &[0.25])])).is_ok());
+    assert!(plan(request(vec![axis("y", &[0.5], &[0.0], &[0.059016994374947424])])).is_ok());
     assert!(plan(request(vec![axis("x", &[1.0], &[0.125], &[0.0])])).is_ok());
 }
 
@@ -207,9 +223,34 @@ fn a_range_that_the_way_leaves() {
     let over = axis("x", &[2.0], &[0.55], &[-0.25]);
     let limits = LimitsSpec { max_position: Some(0.6), ..limits() };
     assert!(plan(request(vec![over.clone()])).is_ok());
-    let said = plan(request(vec![PvtAxisSpec { limits, ..over }])).unwrap_err().to_string();
-    assert!(said.starts_with("axes[0].positions[0]: the motion reaches 0.6"), "{said}");
-    assert!(said.ends_with("beyond 0.6: stay inside or move limits.max_position"), "{said}");
+    let said =
+        plan(request(vec![PvtAxisSpec { limits: limits.clone(), ..over.clone() }])).unwrap_err().to_string();
+    assert!(said.starts_with("axes[0].positions[0]: the motion to 0.55 reaches 0.60025"), "{said}");
+    assert!(said.contains(" at 1.4682458"), "{said}");
+    let way_out = "s, beyond 0.6: move the point to 0.5345758313396782, ask for less on the way to it, or move limits.max_position";
+    assert!(said.ends_with(way_out), "{said}");
+    let mended = PvtAxisSpec { positions: vec![0.5345758313396782], limits: limits.clone(), ..over.clone() };
+    assert!(plan(request(vec![mended])).is_ok());
+    // Time counts from the start, whatever point it is.
+    let later = PvtAxisSpec {
+        times: vec![1.0, 3.0],
+        positions: vec![0.0, 0.55],
+        velocities: vec![0.0, -0.25],
+        limits: limits.clone(),
+        ..over
+    };
+    let said = plan(request(vec![later])).unwrap_err().to_string();
+    assert!(said.starts_with("axes[0].positions[1]: the motion to 0.55 reaches 0.60025"), "{said}");
+    assert!(said.contains(" at 2.4682458"), "{said}");
+    // And so it does of the way to a last point that was missed.
+    let finish = PvtRequestSpec {
+        policy: Ok(PvtPolicy::PreferVelocity),
+        finish_unreached: true,
+        ..request(vec![PvtAxisSpec { limits, ..axis("x", &[1.0, 2.0], &[0.0, 0.55], &[0.0, -0.25]) }])
+    };
+    let said = plan(finish).unwrap_err();
+    let Why::PositionLimit { reached, time, .. } = said.as_slice()[0].why else { panic!("{said}") };
+    assert!(reached > 0.6 && time > 2.0, "{said}");
 }
 
 #[test]
@@ -272,16 +313,18 @@ fn commands_one_by_one() {
         1.0,
         0.0,
         1.0,
-        &["position: is 1, and 1 s lead to between -0.125 and 0.125: move the point there, allow 2 s, or \
-             name a policy that adjusts"],
+        &[
+            "position: is 1, and 1 s lead to between -0.125 and 0.125: move the point to 0.125, allow 2 s, or \
+             name a policy that adjusts",
+        ],
     );
     refused(
         0.0,
         1.0,
         0.5,
         &[
-            "velocity: cannot be reached in 0.5 s, which must be 2.1021287890229274 s at least: allow that, ask for 0.25, or \
-             name a policy that adjusts",
+            "velocity: is 1, and 0.5 s do not suffice for that: ask for a velocity of 0.25 at the position 0.0625, keep the \
+             position with a velocity of 0.059016994374947424, allow 2.1021287890229274 s, or name a policy that adjusts",
         ],
     );
 }

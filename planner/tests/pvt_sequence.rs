@@ -208,6 +208,7 @@ fn polynomials_meet_every_point_and_keep_no_limit() {
             planned.points().iter().map(|report| (report.time, report.position, report.velocity)).collect();
         assert_eq!(ends, points);
         assert!(planned.points().iter().all(|report| report.region.is_none()));
+        assert!(planned.points().iter().all(|report| report.reachable.is_some()));
         let plan = planned.into_parts().0;
         assert_eq!((plan.guaranteed(), plan.method().order), (&[][..], order));
         assert_eq!(plan.method().pvt.unwrap().interpolation, interpolation);
@@ -218,6 +219,32 @@ fn polynomials_meet_every_point_and_keep_no_limit() {
         let worst = |quantity| certificate.limits.iter().find(|check| check.quantity == quantity).unwrap();
         assert!(worst(Quantity::Acceleration).margin < -1.0);
         assert_eq!(worst(Quantity::Jerk).extremum.is_infinite(), !joins);
+    }
+}
+
+/// Also of a point whose velocity there is no time for it is told what the limits would let be reached: what ramps that keep the
+/// nearest velocity can.
+#[test]
+fn the_range_is_told_where_there_is_no_time_for_the_velocity() {
+    let points = [(0.01, 0.02, 0.5), (0.02, 0.021, -0.5)];
+    let asked = |interpolation| PvtRequestSpec {
+        interpolation: Ok(interpolation),
+        ..request(vec![axis("x", &points[..1])], PvtPolicy::PreferVelocity)
+    };
+    let ramps = judged(asked(PvtInterpolation::SShaped));
+    let by_ramps = ramps.points()[0].reachable.unwrap();
+    assert!(by_ramps.1 > 0.0 && by_ramps.1 < 1e-3);
+    for interpolation in [PvtInterpolation::Cubic, PvtInterpolation::Quintic] {
+        let planned = judged(asked(interpolation));
+        assert_eq!(planned.points()[0].reachable, Some(by_ramps));
+        let both = PvtRequestSpec {
+            interpolation: Ok(interpolation),
+            ..request(vec![axis("x", &points)], PvtPolicy::PreferVelocity)
+        };
+        let planned = judged(both);
+        let (low, high) = planned.points()[1].reachable.unwrap();
+        // In 10 ms of 0.5 m/s less what a jerk of 500 m/s³ takes off.
+        assert!(low <= high && high < 0.005 && low > 0.004, "{low} {high}");
     }
 }
 

@@ -22,7 +22,7 @@ use planner::generator::{AxisLimits, Generator};
 use planner::motion::{AxisGoal, Motion, Operation, Override};
 use planner::{
     AxisKind, AxisMoveSpec, AxisTransfer, Bounds, BoundsSpec, CycleTime, Family, GREATEST_MAGNITUDE, Judged,
-    LAST_CYCLE, LEAST_LIMIT, LONGEST, Law, LimitCheck, Limits, LimitsSpec, NoSuchDuration, Quantity, Request,
+    LAST_CYCLE, LEAST_LIMIT, LONGEST, LimitCheck, Limits, LimitsSpec, NoSuchDuration, Quantity, Request,
     RequestSpec, ShortPathPolicy, State, Synchronization, TimeLaw, Timing, Transfer, Transit, Violation, Why,
     certify, plan_between, plan_transfer, plan_velocity, retime, together, transfer_violations, violations,
 };

@@ -470,3 +470,30 @@ fn refusals_of_the_families_have_their_reasons() {
     let field = "axes[0].start.velocity".into();
     assert_eq!(reason(moving), (proto::Reason::StateNotAtRest, field));
 }
+
+/// What a judge said comes back whole, where an axis turns back as well.
+#[test]
+fn a_certificate_comes_back() {
+    let points = planner::PvtRequestSpec {
+        axes: vec![planner::PvtAxisSpec {
+            axis: "x".into(),
+            kind: Ok(planner::AxisKind::Prismatic),
+            limits: Limits::symmetric(1.0, 4.0, 100.0).unwrap().spec().clone(),
+            start: State::default(),
+            times: vec![0.1, 0.2],
+            positions: vec![0.1, 0.0],
+            velocities: vec![0.0, 0.5],
+        }],
+        cycle_time_ns: None,
+        interpolation: Ok(planner::PvtInterpolation::Quintic),
+        policy: Ok(planner::PvtPolicy::Reject),
+        finish_unreached: false,
+    };
+    let judged = planner::JudgedPvt::answer(&points.try_into().unwrap()).unwrap();
+    let certificate = judged.judged().certificate();
+    assert!(!certificate.reversals.is_empty());
+    let wire = pb::PlanCertificate::from(certificate);
+    assert_eq!(wire.reversals.len(), certificate.reversals.len());
+    let wire = pb::PlanCertificate::decode(&*wire.encode_to_vec()).unwrap();
+    assert_eq!(&planner::Certificate::try_from(wire).unwrap(), certificate);
+}

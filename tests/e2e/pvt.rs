@@ -202,8 +202,15 @@ async fn a_point_that_cannot_be_met_is_refused_with_what_could() {
     assert_eq!(rejected.fields[0].field, "axes[0].velocities[3]");
     assert_eq!(rejected.metadata["quantity"], "VELOCITY");
     let figure = |key: &str| rejected.metadata[key].parse::<f64>().unwrap();
-    assert!((figure("given") - 0.05).abs() < 1e-12 && figure("needed") > 0.05);
-    assert!(figure("nearest") > -0.4 && figure("nearest") < 0.2);
+    assert!((figure("given_time") - 0.05).abs() < 1e-12 && figure("needed_time") > 0.05);
+    assert!(figure("given") == -0.4 && figure("nearest") > -0.4 && figure("nearest") < 0.2);
+    let mut mended = hurried.clone();
+    mended.velocities[3] = figure("nearest");
+    mended.positions[3] = figure("nearest_position");
+    for list in [&mut mended.times, &mut mended.positions, &mut mended.velocities] {
+        list.truncate(4);
+    }
+    assert!(planner.plan_pvt(pb::PlanPvtRequest::from(rejecting(vec![mended]))).await.is_ok());
     let client = server.client().await;
     let adjusted = client.plan_pvt(request(vec![hurried])).await.unwrap();
     let said = &adjusted.points()[3].adjustments;

@@ -33,7 +33,7 @@ the limits given by flags; where they differ, use --request.
 With --follow each line of standard input is time,position,velocity of one axis,
 and is answered before the next one is read; a first line at time 0 says where
 the axis starts. What is refused leaves the axis where it was, and the next line
-goes on from there.
+goes on from there; without a start that is taken nothing goes on.
 
 Of each point the table gives its region, the positions that can be reached by
 then, where the axis is and how fast, and by how much position (p), velocity (v)
@@ -66,7 +66,7 @@ pub(crate) struct PvtArgs {
     pub(crate) points: Option<PathBuf>,
     /// Answer commands as they come on standard input, for one axis, in this process.
     #[arg(long, help_heading = "Points",
-        conflicts_with_all = ["interpolation", "finish_unreached", "cycle_time", "plot", "output", "endpoint"])]
+        conflicts_with_all = ["interpolation", "finish_unreached", "plot", "output", "endpoint"])]
     pub(crate) follow: bool,
     /// Plan the PlanPvtRequest in this file, in proto3 JSON; '-' reads standard input.
     #[arg(long, value_name = "FILE.json", help_heading = "Points", group = "files",

@@ -3,16 +3,17 @@
 use std::io::{self, BufRead as _};
 
 use planner::{
-    Adjustment, AdjustmentReason, Limits, PvtMove, PvtPlanner, PvtPointReport, PvtTarget, Quantity, State,
+    Adjustment, AdjustmentReason, CycleTime, Field, InvalidFields, Limits, PvtMove, PvtPlanner,
+    PvtPointReport, PvtTarget, Quantity, State, Why,
 };
 use proto::{Reason, Rejected};
 
-use crate::args::PvtArgs;
+use crate::args::{self, PvtArgs};
 use crate::command::plan::in_flags;
 use crate::failure::Failure;
 use crate::law::Law;
 use crate::show::number::counted;
-use crate::show::paint::{Screen, clean, wrapped};
+use crate::show::paint::{Screen, refusal, wrapped};
 use crate::show::{json, points};
 use crate::source::{cells, number};
 
@@ -24,7 +25,9 @@ pub(super) fn run(args: &PvtArgs, screen: &mut Screen<'_>) -> Result<(), Failure
     args.limits.check_jerk(Law::default())?;
     let limits = Limits::try_from(args.limits.to_spec())
         .map_err(|invalid| in_flags(Failure::refused(within_limits(invalid)), screen.json))?;
-    let mut axis = Following::new(args, limits)?;
+    let cycle = CycleTime::from_ns(args.method.cycle_time)
+        .map_err(|invalid| in_flags(Failure::refused(invalid), screen.json))?;
+    let mut axis = Following::new(args, limits, cycle);
     if !screen.json {
         points::heading(screen, args.method.kind())?;
         screen.out.flush()?;
@@ -35,14 +38,13 @@ pub(super) fn run(args: &PvtArgs, screen: &mut Screen<'_>) -> Result<(), Failure
             Ok(None) => continue,
             Ok(Some(report)) if screen.json => writeln!(screen.out, "{}", json::point(&report, AXIS)?)?,
             Ok(Some(report)) => points::row(screen, &report, axis.before.position)?,
+            Err(rejected) if screen.json => {
+                writeln!(screen.out, "{}", json::error(&rejected.with("line", index + 1)))?;
+            }
             Err(rejected) => {
-                let rejected = rejected.with("line", index + 1);
-                if screen.json {
-                    writeln!(screen.out, "{}", json::error(&rejected))?;
-                } else {
-                    let text = wrapped(&format!("line {}: {}", index + 1, clean(&rejected.to_string())), "");
-                    writeln!(screen.out, "{}", screen.paint.bad(&text))?;
-                }
+                let text = args::in_flags(&refusal(&rejected));
+                let text = wrapped(&format!("line {}: {text}", index + 1), "");
+                writeln!(screen.out, "{}", screen.paint.bad(&text))?;
             }
         }
         screen.out.flush()?;
@@ -50,17 +52,34 @@ pub(super) fn run(args: &PvtArgs, screen: &mut Screen<'_>) -> Result<(), Failure
     Ok(())
 }
 
-fn within_limits(inner: planner::InvalidFields) -> planner::InvalidFields {
-    let mut invalid = planner::InvalidFields::default();
-    invalid.extend_within(&planner::Field::named("limits"), inner);
+fn within_limits(inner: InvalidFields) -> InvalidFields {
+    let mut invalid = InvalidFields::default();
+    invalid.extend_within(&Field::named("limits"), inner);
     invalid
+}
+
+/// How far it has got.
+///
+/// ```text
+/// Open ── a start, or a command ──► Under way
+///  │                                    ▲
+///  └── a start that is refused ──► Stranded ── a start
+/// ```
+enum Phase {
+    /// Nothing was taken yet: it rests at 0, unless a line at time 0 says otherwise.
+    Open(PvtPlanner),
+    /// Nobody knows where it is: the line that was to say so was refused, or it cannot rest at 0.
+    Stranded,
+    /// It is where it was sent, or began.
+    UnderWay(PvtPlanner),
 }
 
 /// One axis on its way from command to command.
 struct Following<'a> {
     args: &'a PvtArgs,
     limits: Limits,
-    planner: PvtPlanner,
+    cycle: CycleTime,
+    phase: Phase,
     /// How many commands were taken.
     taken: usize,
     /// When the last one was to be met [s], as asked, and how much later it was [s].
@@ -73,11 +92,11 @@ struct Following<'a> {
 }
 
 impl<'a> Following<'a> {
-    fn new(args: &'a PvtArgs, limits: Limits) -> Result<Self, Failure> {
-        let planner = PvtPlanner::new(State::default(), limits.clone(), args.method.policy());
-        let planner = planner.map_err(Failure::refused)?;
+    fn new(args: &'a PvtArgs, limits: Limits, cycle: CycleTime) -> Self {
         let before = State::default();
-        Ok(Self { args, limits, planner, taken: 0, time: 0.0, shift: 0.0, before, begun: false })
+        let at_zero = PvtPlanner::new(before, limits.clone(), args.method.policy());
+        let phase = at_zero.map_or(Phase::Stranded, Phase::Open);
+        Self { args, limits, cycle, phase, taken: 0, time: 0.0, shift: 0.0, before, begun: false }
     }
 
     /// What becomes of a command; nothing for lines that are none.
@@ -96,20 +115,54 @@ impl<'a> Following<'a> {
         };
         let read = |cell: &String| number(cell).map_err(not_a_command);
         let (time, position, velocity) = (read(time)?, read(position)?, read(velocity)?);
-        let begins = !self.begun && time == 0.0;
         self.begun = true;
-        if begins {
-            let start = State { position, velocity, acceleration: 0.0 };
-            self.planner = PvtPlanner::new(start, self.limits.clone(), self.args.method.policy())?;
+        if time == 0.0 && !matches!(self.phase, Phase::UnderWay(_)) {
+            self.start(State { position, velocity, acceleration: 0.0 })?;
             return Ok(None);
         }
-        let before = self.planner.state();
-        let target = PvtTarget { position, velocity, duration: time - self.time };
-        let planned = self.planner.command(target)?;
+        self.command(time, position, velocity).map(Some)
+    }
+
+    fn start(&mut self, start: State) -> Result<(), Rejected> {
+        self.phase = Phase::Stranded;
+        let planner = PvtPlanner::new(start, self.limits.clone(), self.args.method.policy());
+        self.phase = Phase::UnderWay(planner.map_err(|refused| in_line(&refused, 0.0))?);
+        Ok(())
+    }
+
+    fn command(&mut self, time: f64, position: f64, velocity: f64) -> Result<PvtPointReport, Rejected> {
+        let interval = self.interval(time);
+        let (Phase::Open(planner) | Phase::UnderWay(planner)) = &mut self.phase else {
+            let text = "nobody knows where the axis is: give a line at time 0 that can be taken, as 0,0.01,0";
+            return Err(Rejected::new(Reason::ProtocolOrder, text));
+        };
+        let duration = interval.map_err(|why| InvalidFields::one(Field::named("time"), why))?;
+        let before = planner.state();
+        let begin = self.time + self.shift;
+        let target = PvtTarget { position, velocity, duration };
+        let planned = planner.command(target).map_err(|refused| in_line(&refused, begin))?;
+        if let Phase::Open(planner) = &self.phase {
+            self.phase = Phase::UnderWay(planner.clone());
+        }
         self.before = before;
-        let report = self.report(&planned, time, target.duration);
+        let report = self.report(&planned, time, duration);
         (self.time, self.taken) = (time, self.taken + 1);
-        Ok(Some(report))
+        Ok(report)
+    }
+
+    /// How long there is from the command before \[s\], as a request for points asks of each: a cycle at least.
+    fn interval(&self, time: f64) -> Result<f64, Why> {
+        if !time.is_finite() {
+            return Err(Why::NotFinite { given: time });
+        }
+        let (before, cycle) = (self.time, self.cycle.as_seconds());
+        let given = time - before;
+        if given <= 0.0 {
+            return Err(Why::TimesNotIncreasing { given: time, before });
+        }
+        // A beat of whole cycles is not shorter than one by the rounding of its times.
+        let too_short = given < cycle - 2.0 * f64::EPSILON * time;
+        if too_short { Err(Why::IntervalTooShort { given, cycle }) } else { Ok(given) }
     }
 
     /// As one of a table: times from the start, not from the command before.
@@ -139,4 +192,22 @@ impl<'a> Following<'a> {
             adjustments: others.copied().chain(late).collect(),
         }
     }
+}
+
+/// A refusal of a command in the words of its line, where all times count from the start; the command began at `begin` [s].
+fn in_line(refused: &InvalidFields, begin: f64) -> InvalidFields {
+    let mut invalid = InvalidFields::default();
+    for refused in refused.as_slice() {
+        let field = refused.field.as_str();
+        let name = match field.strip_prefix("start.").unwrap_or(field) {
+            "duration" => "time",
+            name => name,
+        };
+        let mut why = refused.why.clone();
+        if let Why::PvtLeavesRange { time, .. } = &mut why {
+            *time += begin;
+        }
+        invalid.note(name, Some(why));
+    }
+    invalid
 }

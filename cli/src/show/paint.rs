@@ -100,7 +100,7 @@ impl Screen<'_> {
 }
 
 /// A refusal in words: every field, not only the first.
-fn refusal(rejected: &proto::Rejected) -> String {
+pub(crate) fn refusal(rejected: &proto::Rejected) -> String {
     let all: Vec<String> =
         rejected.fields.iter().map(|field| format!("{}: {}", field.field, field.description)).collect();
     let text = if all.is_empty() { rejected.message.clone() } else { all.join("; ") };

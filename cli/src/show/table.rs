@@ -73,6 +73,9 @@ pub(crate) fn certificate(screen: &mut Screen<'_>, plan: &Plan, certificate: &Ce
     for sentence in led_back(certificate) {
         writeln!(screen.out, "{}", wrapped(&sentence, "  "))?;
     }
+    for sentence in reversals(plan, certificate) {
+        writeln!(screen.out, "{}", wrapped(&sentence, "  "))?;
+    }
     writeln!(screen.out)?;
     screen.out.write_all(fitted(|_| ends_table(plan, certificate)).render(paint).as_bytes())?;
     if !certificate.passed() {
@@ -310,6 +313,26 @@ fn led_back(certificate: &Certificate) -> impl Iterator<Item = String> {
              above is of the rest.",
             clean(axis)
         ))
+    })
+}
+
+/// Where each axis turns back, of motion that keeps no limit of velocity, in a sentence for each.
+fn reversals(plan: &Plan, certificate: &Certificate) -> impl Iterator<Item = String> {
+    /// Of one axis: who has more to read takes the JSON.
+    const MOST: usize = 6;
+    certificate.reversals.chunk_by(|a, b| a.axis == b.axis).map(move |reversals| {
+        let axis = &reversals[0].axis;
+        let length = unit(kind_of(plan, axis), Quantity::Position);
+        let told = &reversals[..reversals.len().min(MOST)];
+        let times = exact_column(&told.iter().map(|reversal| reversal.at_time).collect::<Vec<_>>(), 4);
+        let places = column(&told.iter().map(|reversal| reversal.position).collect::<Vec<_>>(), 4);
+        let each = times.iter().zip(&places);
+        let each: Vec<_> =
+            each.map(|(time, place)| format!("{time}\u{a0}s ({}\u{a0}{length})", place.trim())).collect();
+        let rest = reversals.len() - told.len();
+        let more = if rest > 0 { format!(", and {rest} more") } else { String::new() };
+        let times = counted(reversals.len() as u64, "time");
+        format!("The velocity of {} reverses {times}: at {}{more}.", clean(axis), each.join(", "))
     })
 }
 

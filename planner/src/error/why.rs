@@ -1,10 +1,11 @@
 //! What can be wrong with a request, in words: one variant for each thing that a caller can act on.
 
+use alloc::boxed::Box;
 use alloc::string::String;
 use core::fmt;
 
-use crate::Shortest;
 use crate::limits::{GREATEST_MAGNITUDE, LEAST_LIMIT};
+use crate::{PvtOffers, PvtTarget, Shortest};
 
 /// What is wrong with a field, with the numbers that a caller needs to put it right.
 ///
@@ -373,35 +374,62 @@ pub enum Why {
         cycle: f64,
     },
     /// A point whose velocity cannot be reached in its time.
-    #[error(
-        "cannot be reached in {given} s, which must be {needed} s at least: allow that, ask for {nearest_velocity}, or name \
-         a policy that adjusts"
-    )]
+    #[error("is {}, and {} s do not suffice for that: {}", Shortest(*.given), Shortest(*.duration), WaysOut::of(*.given, .offers))]
     PvtTimeTooShort {
-        /// The time from the point before it \[s\].
+        /// The velocity [axis units/s].
         given: f64,
-        /// The least time in which the point can be met, velocity and position \[s\].
-        needed: f64,
-        /// The velocity that can be reached in the time given [axis units/s].
-        nearest_velocity: f64,
+        /// The time from the point before it \[s\].
+        duration: f64,
+        /// What would be taken instead.
+        offers: Box<PvtOffers>,
     },
     /// A point whose position cannot be reached with its velocity in its time.
     #[error(
-        "is {given}, and {duration} s lead to between {least} and {greatest}: move the point there, {}, or name a policy \
-         that adjusts",
-        AllowTime(*needed)
+        "is {}, and {} s lead to between {} and {}: {}",
+        Shortest(*.given),
+        Shortest(*.duration),
+        Shortest(*.least),
+        Shortest(*.greatest),
+        WaysOut::of(*.velocity, .offers)
     )]
     PvtOutOfReach {
         /// The position [axis units].
         given: f64,
+        /// The velocity to have there [axis units/s].
+        velocity: f64,
+        /// The time from the point before it \[s\].
+        duration: f64,
         /// The least position that can be reached [axis units].
         least: f64,
         /// The greatest position that can be reached [axis units].
         greatest: f64,
-        /// The time from the point before it \[s\].
-        duration: f64,
-        /// The first longer time in which the point can be met \[s\]; none where no time helps.
-        needed: Option<f64>,
+        /// What would be taken instead.
+        offers: Box<PvtOffers>,
+    },
+    /// A point on the way to which the axis would leave its position range.
+    #[error(
+        "the motion to {} reaches {} at {} s, beyond {}: {}, or move {limit}",
+        Shortest(*.given),
+        Shortest(*.reached),
+        Shortest(*.time),
+        Shortest(*.allowed),
+        WaysOut::on_the_way(*.velocity, .offers)
+    )]
+    PvtLeavesRange {
+        /// The position [axis units].
+        given: f64,
+        /// The velocity to have there [axis units/s].
+        velocity: f64,
+        /// The first position outside where the way turns or ends [axis units].
+        reached: f64,
+        /// When that is \[s\].
+        time: f64,
+        /// The end of the range [axis units].
+        allowed: f64,
+        /// The limit's field.
+        limit: &'static str,
+        /// What would be taken instead.
+        offers: Box<PvtOffers>,
     },
     /// A rate of path time that no limit allows.
     #[error(
@@ -490,14 +518,45 @@ impl fmt::Display for HowMany {
     }
 }
 
-/// The way out that lies in time.
-struct AllowTime(Option<f64>);
+/// What to ask for in place of a point that is refused.
+struct WaysOut<'a> {
+    /// The velocity of the point.
+    velocity: f64,
+    offers: &'a PvtOffers,
+    /// Would another policy take it?
+    policies: bool,
+}
 
-impl fmt::Display for AllowTime {
+impl<'a> WaysOut<'a> {
+    fn of(velocity: f64, offers: &'a PvtOffers) -> Self {
+        Self { velocity, offers, policies: true }
+    }
+
+    fn on_the_way(velocity: f64, offers: &'a PvtOffers) -> Self {
+        Self { velocity, offers, policies: false }
+    }
+}
+
+impl fmt::Display for WaysOut<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Some(needed) => write!(f, "allow {needed} s"),
-            None => f.write_str("allow the axis to go back, since no longer time helps"),
+        let PvtOffers { nearest, same_position, later, time_helps } = self.offers;
+        if let Some(PvtTarget { position, velocity, .. }) = nearest {
+            let moved = (velocity - self.velocity).abs() > 0.0;
+            let (position, velocity) = (Shortest(*position), Shortest(*velocity));
+            if moved {
+                write!(f, "ask for a velocity of {velocity} at the position {position}, ")?;
+            } else {
+                write!(f, "move the point to {position}, ")?;
+            }
         }
+        if let Some(PvtTarget { velocity, .. }) = same_position {
+            write!(f, "keep the position with a velocity of {}, ", Shortest(*velocity))?;
+        }
+        match later {
+            Some(PvtTarget { duration, .. }) => write!(f, "allow {} s", Shortest(*duration))?,
+            None if !time_helps => f.write_str("allow the axis to go back, since no longer time helps")?,
+            None => f.write_str("ask for less on the way to it")?,
+        }
+        if self.policies { f.write_str(", or name a policy that adjusts") } else { Ok(()) }
     }
 }

@@ -44,7 +44,9 @@ impl Command {
     pub(super) fn reach<'a>(&self, lane: &'a Lane) -> Option<Reach<'a>> {
         (lane.holds(self.end) && self.has_time(lane)).then(|| {
             let extremes = Extremes::of(lane, self.start, self.end, self.duration);
-            let slack = DISPLACEMENT_SLACK * self.duration * extremes.fastest() + self.rounding;
+            let fastest = extremes.fastest();
+            let slack =
+                DISPLACEMENT_SLACK * self.duration * fastest + self.rounding + self.time_rounding * fastest;
             Reach { lane, extremes, slack }
         })
     }

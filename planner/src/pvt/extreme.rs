@@ -97,7 +97,8 @@ pub(super) fn end_velocity_for(
     duration: f64,
     displacement: f64,
 ) -> f64 {
-    let room = largest(0.0, lane.nearest(start, lane.greatest, duration) - from);
+    let top = lane.nearest(start, lane.greatest, duration);
+    let room = largest(0.0, top - from);
     let value_and_slope = |more: f64| {
         let extreme = farthest(lane, start, from + more, duration);
         (extreme.displacement - displacement, growth(lane, start, from + more, &extreme))
@@ -112,7 +113,9 @@ pub(super) fn end_velocity_for(
         to = least(room, 2.0 * to);
         at_to = farthest(lane, start, from + to, duration).displacement - displacement;
     }
-    from + sign_change_within((0.0, to), (value, at_to), value_and_slope).unwrap_or(to)
+    let more = sign_change_within((0.0, to), (value, at_to), value_and_slope).unwrap_or(to);
+    // The sum may be a rounding beyond what the lane holds, or there is time for.
+    largest(from, least(from + more, top))
 }
 
 /// The least time from `duration` on in which the greatest displacement is `displacement`, of which it falls short at

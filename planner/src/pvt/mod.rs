@@ -6,12 +6,14 @@
 mod command;
 mod extreme;
 mod lane;
+mod offers;
 mod pieces;
 mod planner;
 mod polynomial;
 mod request;
 mod sequence;
 
+pub use offers::PvtOffers;
 pub use planner::{PvtMove, PvtPlanner, PvtTarget};
 pub use request::{PvtAxis, PvtAxisSpec, PvtRequest, PvtRequestSpec};
 pub use sequence::{PvtPlan, PvtPointReport, plan_pvt, plan_pvt_by};

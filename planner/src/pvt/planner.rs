@@ -1,14 +1,16 @@
+use alloc::boxed::Box;
+
 use arrayvec::ArrayVec;
 
 use super::command::{Command, Reach};
 use super::lane::Lanes;
-use super::{PvtPolicy, PvtRegion, pieces};
+use super::{PvtInterpolation, PvtPolicy, PvtRegion, pieces, polynomial};
 use crate::classify::Classification;
 use crate::error::{Field, InvalidFields, Why};
 use crate::float::largest;
 use crate::limits::{is_number, not_finite};
 use crate::problem::within_limits;
-use crate::{Adjustment, AdjustmentReason, Limits, Move, Quantity, Setpoint, State};
+use crate::{Adjustment, AdjustmentReason, Limits, Move, Quantity, Segment, Setpoint, State};
 
 /// What the next command asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +21,23 @@ pub struct PvtTarget {
     pub velocity: f64,
     /// How long from where the command before it ended \[s\], > 0.
     pub duration: f64,
+}
+
+impl PvtTarget {
+    /// The one piece by which a polynomial leads from `start` to the target, as [`plan_pvt`](crate::plan_pvt) has it: for comparison, since it keeps no
+    /// limit. None for ramps, which are several.
+    ///
+    /// ```
+    /// # use planner::{PvtInterpolation, PvtTarget, State};
+    /// let target = PvtTarget { position: 1.0, velocity: 0.0, duration: 2.0 };
+    /// let cubic = target.joined_from(State::default(), PvtInterpolation::Cubic).expect("one piece");
+    /// assert_eq!(cubic.at(1.0).state.velocity, 0.75); // 3S/2T
+    /// assert_eq!(target.joined_from(State::default(), PvtInterpolation::SShaped), None);
+    /// ```
+    #[must_use]
+    pub fn joined_from(&self, start: State, interpolation: PvtInterpolation) -> Option<Segment> {
+        polynomial::piece(interpolation, start, self)
+    }
 }
 
 /// The motion of one command: pieces on the stack, what is not as asked, and what could have been asked.
@@ -116,8 +135,8 @@ impl PvtPlanner {
     ///
     /// # Errors
     /// A target that is not finite or outside the limits; [`Why::PvtTimeTooShort`] or [`Why::PvtOutOfReach`] for one that
-    /// cannot be met and that the policy does not adjust; [`Why::PositionLimit`] where the motion would leave the position
-    /// range on its way. The axis then stays where it was: its next command begins there.
+    /// cannot be met and that the policy does not adjust; [`Why::PvtLeavesRange`] where the motion would leave the position
+    /// range on its way, at a time that counts from its beginning. The axis then stays where it was: its next command begins there.
     pub fn command(&mut self, target: PvtTarget) -> Result<PvtMove, InvalidFields> {
         let PvtTarget { position, velocity, duration } = target;
         // What fits, as most does, is told without the words for what does not.
@@ -166,7 +185,7 @@ pub(super) fn note_start(invalid: &mut InvalidFields, start: &State, limits: &Li
 }
 
 /// Has [`wrong_point`] nothing to say?
-fn fits(position: f64, velocity: f64, limits: &Limits) -> bool {
+pub(super) fn fits(position: f64, velocity: f64, limits: &Limits) -> bool {
     is_number(position)
         && position >= limits.min_position()
         && position <= limits.max_position()
@@ -218,8 +237,12 @@ impl Axis {
         &self.limits
     }
 
+    pub(super) fn lanes(&self) -> &Lanes {
+        &self.lanes
+    }
+
     /// What a target asks from `start` on; `time_rounding` as in [`Command`].
-    fn command(start: State, target: &PvtTarget, time_rounding: f64) -> Command {
+    pub(super) fn command(start: State, target: &PvtTarget, time_rounding: f64) -> Command {
         Command {
             start: start.velocity,
             end: target.velocity + 0.0,
@@ -241,12 +264,21 @@ impl Axis {
         if command.nearest(&self.lanes).is_some_and(|reach| reach.short_of(command.displacement) == 0.0) {
             return Ok(target.duration);
         }
-        command.extended(&self.lanes).ok_or_else(|| self.refusal(&command, start))
+        command.extended(&self.lanes).ok_or_else(|| self.refusal(&command, start, target))
     }
 
-    /// The displacements that can be reached, if there is time for the velocity.
-    pub(super) fn reachable(&self, start: State, target: &PvtTarget) -> Option<(f64, f64)> {
-        Self::command(start, target, 0.0).range(&self.lanes)
+    /// The displacements that can be reached; where there is no time for the velocity, with the nearest that there is time for.
+    pub(super) fn reachable(
+        &self,
+        start: State,
+        target: &PvtTarget,
+        time_rounding: f64,
+    ) -> Option<(f64, f64)> {
+        let asked = Self::command(start, target, time_rounding);
+        let ending_at = |end: f64| Command { end, ..asked }.range(&self.lanes);
+        let nearest = || ending_at(asked.nearest_velocity(&self.lanes));
+        // A velocity that the time suffices for but for a rounding; to stay at the same one no time is too short.
+        asked.range(&self.lanes).or_else(nearest).or_else(|| ending_at(asked.start))
     }
 
     #[inline]
@@ -268,7 +300,7 @@ impl Axis {
             }
             nearest => self.adjust(planned, &asked, nearest, start, target, policy)?,
         }
-        self.within_range(planned, start)
+        self.within_range(planned, &asked, start, target)
     }
 
     /// The motion for a command that cannot be met, with time enough for the velocity, in which `nearest` is reached, or without.
@@ -296,10 +328,10 @@ impl Axis {
                 command
             }
             PvtPolicy::ExtendTime => {
-                let duration = asked.extended(lanes).ok_or_else(|| self.refusal(asked, start))?;
+                let duration = asked.extended(lanes).ok_or_else(|| self.refusal(asked, start, target))?;
                 Command { duration, ..*asked }
             }
-            PvtPolicy::Reject => return Err(self.refusal(asked, start)),
+            PvtPolicy::Reject => return Err(self.refusal(asked, start, target)),
         };
         if let Some(reach) = command.nearest(lanes) {
             self.lay(planned, asked, &command, &reach, start, target);
@@ -307,13 +339,13 @@ impl Axis {
         }
         // A velocity that the time suffices for but for a rounding; to stay at the same one no time is too short.
         let level = Command { end: asked.start, ..command };
-        let reach = level.nearest(lanes).ok_or_else(|| self.refusal(asked, start))?;
+        let reach = level.nearest(lanes).ok_or_else(|| self.refusal(asked, start, target))?;
         self.lay(planned, asked, &level, &reach, start, target);
         Ok(())
     }
 
     #[inline]
-    fn lay(
+    pub(super) fn lay(
         &self,
         planned: &mut PvtMove,
         asked: &Command,
@@ -350,31 +382,26 @@ impl Axis {
         adjust(Quantity::Time, asked.duration, command.duration, AdjustmentReason::PvtTimeExtended);
     }
 
-    /// Why a command cannot be met, and what could be.
+    /// Why a command cannot be met, and what would be taken instead.
     #[cold]
-    fn refusal(&self, command: &Command, start: State) -> Refusal {
-        let needed = command.extended(&self.lanes);
-        let has_time = command.range(&self.lanes).is_some();
-        if let (false, Some(needed)) = (has_time, needed) {
-            let nearest_velocity = command.nearest_velocity(&self.lanes);
-            let why = Why::PvtTimeTooShort { given: command.duration, needed, nearest_velocity };
-            return (Quantity::Velocity, why);
-        }
-        // Where no time is long enough for the position, more of it for the velocity is no way out.
-        let duration = if has_time { command.duration } else { command.least_time(&self.lanes) };
-        let (low, high) = Command { duration, ..*command }.range(&self.lanes).unwrap_or_default();
-        let why = Why::PvtOutOfReach {
-            given: start.position + command.displacement,
-            least: start.position + low,
-            greatest: start.position + high,
-            duration,
-            needed,
+    fn refusal(&self, command: &Command, start: State, target: &PvtTarget) -> Refusal {
+        let offers = Box::new(self.offers(command, start, target));
+        let PvtTarget { position: given, velocity, duration } = *target;
+        let Some((low, high)) = command.range(&self.lanes) else {
+            return (Quantity::Velocity, Why::PvtTimeTooShort { given: velocity, duration, offers });
         };
-        (Quantity::Position, why)
+        let (least, greatest) = (start.position + low, start.position + high);
+        (Quantity::Position, Why::PvtOutOfReach { given, velocity, duration, least, greatest, offers })
     }
 
     /// Refuses a motion that leaves the position range on its way.
-    fn within_range(&self, planned: &PvtMove, start: State) -> Result<(), Refusal> {
+    fn within_range(
+        &self,
+        planned: &PvtMove,
+        command: &Command,
+        start: State,
+        target: &PvtTarget,
+    ) -> Result<(), Refusal> {
         let (low, high) = (self.limits.min_position(), self.limits.max_position());
         // Farther than this no command goes, and few axes have a range.
         let motion = &planned.motion;
@@ -382,26 +409,31 @@ impl Axis {
         if start.position - way >= low && start.position + way <= high {
             return Ok(());
         }
-        let slack = POSITION_ROUNDING * (start.position.abs() + motion.reached().position.abs());
+        let Some((reached, time)) = self.outside(motion, start, command.time_rounding) else { return Ok(()) };
+        let (allowed, limit) =
+            if reached > high { (high, "limits.max_position") } else { (low, "limits.min_position") };
+        let PvtTarget { position: given, velocity, .. } = *target;
+        let offers = Box::new(self.offers(command, start, target));
+        let why = Why::PvtLeavesRange { given, velocity, reached, time, allowed, limit, offers };
+        Err((Quantity::Position, why))
+    }
+
+    /// Where a motion from `start` is first seen outside the position range, at a turn or at an end, and when that is \[s\].
+    pub(super) fn outside(&self, motion: &Move, start: State, time_rounding: f64) -> Option<(f64, f64)> {
+        let slack = POSITION_ROUNDING * (start.position.abs() + motion.reached().position.abs())
+            + time_rounding * motion.classification().feed_rate;
+        let (low, high) = (self.limits.min_position() - slack, self.limits.max_position() + slack);
         let mut time = 0.0;
         for segment in motion.segments() {
             for t in segment.turning_points() {
                 let reached = segment.at(t).state.position;
-                let limit = if reached > high + slack {
-                    Some((high, "limits.max_position"))
-                } else if reached < low - slack {
-                    Some((low, "limits.min_position"))
-                } else {
-                    None
-                };
-                if let Some((allowed, limit)) = limit {
-                    let why = Why::PositionLimit { reached, time: time + t, allowed, limit };
-                    return Err((Quantity::Position, why));
+                if reached > high || reached < low {
+                    return Some((reached, time + t));
                 }
             }
             time += segment.duration;
         }
-        Ok(())
+        None
     }
 }
 

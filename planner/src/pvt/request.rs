@@ -223,7 +223,12 @@ fn note_differing_times(invalid: &mut InvalidFields, times: &[f64], shared: &[f6
 }
 
 fn note_points(invalid: &mut InvalidFields, positions: &[f64], velocities: &[f64], limits: &Limits) {
-    let wrong = positions.iter().zip(velocities).enumerate().flat_map(|(index, (&position, &velocity))| {
+    // Where one list is shorter what is wrong in the rest of the other is told as well.
+    let count = positions.len().max(velocities.len());
+    let at = |list: &[f64], index: usize, other: f64| list.get(index).copied().unwrap_or(other);
+    let allowed = 0.0_f64.max(limits.min_position()).min(limits.max_position());
+    let wrong = (0..count).flat_map(|index| {
+        let (position, velocity) = (at(positions, index, allowed), at(velocities, index, 0.0));
         wrong_point(position, velocity, limits).map(move |(quantity, why)| (index, quantity, why))
     });
     for (index, quantity, why) in wrong.take(MOST_REPORTED) {

@@ -16,7 +16,7 @@ use crate::segments::Pieces;
 use crate::solve::Piece;
 use crate::{
     Adjustment, AdjustmentReason, Alone, AxisPlan, AxisTransfer, Method, Plan, Profile, PvtMethod, Quantity,
-    Segment, State, Synchronization, Timing, Together, Transit, Workers, plan_between, together,
+    Segment, State, Synchronization, Timing, Together, Transit, Why, Workers, plan_between, together,
 };
 
 /// The pieces of a command with two ramps, neither of which reaches the acceleration limit: what most have.
@@ -38,7 +38,8 @@ pub struct PvtPointReport {
     /// When that is \[s\] from the start.
     pub time: f64,
     /// The least and the greatest displacement from the point before [axis units] that the limits allow, with the velocity
-    /// and in the time as planned; `None` where a polynomial is asked for a velocity for which there is no time.
+    /// and in the time as planned; where a polynomial has a velocity for which there is no time, with the nearest for which there is.
+    /// `None` where whoever answered did not say.
     pub reachable: Option<(f64, f64)>,
     /// What is not as asked: position, velocity, time.
     pub adjustments: ArrayVec<Adjustment, 3>,
@@ -79,8 +80,8 @@ impl PvtPlan {
 /// later points are met later by as much.
 ///
 /// # Errors
-/// Of each axis the first point that cannot be met and that the policy does not adjust: [`Why::PvtTimeTooShort`](crate::Why::PvtTimeTooShort),
-/// [`Why::PvtOutOfReach`](crate::Why::PvtOutOfReach), [`Why::PositionLimit`](crate::Why::PositionLimit). Where the last point is to be finished, those of [`plan_between`]; of several
+/// Of each axis the first point that cannot be met and that the policy does not adjust: [`Why::PvtTimeTooShort`], [`Why::PvtOutOfReach`],
+/// [`Why::PvtLeavesRange`]. Where the last point is to be finished, those of [`plan_between`]; of several
 /// axes that end at speed, those of [`together`](crate::together()).
 pub fn plan_pvt(request: &PvtRequest) -> Result<PvtPlan, InvalidFields> {
     plan_pvt_by(request, &Alone)
@@ -300,7 +301,7 @@ impl<'a> Drive<'a> {
             adjustments: ArrayVec::new(),
         };
         if let Some(piece) = polynomial::piece(request.interpolation(), self.state, &target) {
-            report.reachable = self.axis.reachable(self.state, &target);
+            report.reachable = self.axis.reachable(self.state, &target, beat.time_rounding());
             self.state = self.spec.points[beat.point];
             let speed = |t: &f64| piece.at(*t).state.velocity.abs();
             self.fastest = piece.turning_points().iter().map(speed).fold(self.fastest, largest);
@@ -314,8 +315,11 @@ impl<'a> Drive<'a> {
             let rounding = beat.time_rounding();
             match self.axis.plan(planned, self.state, &target, policy, rounding) {
                 Ok(()) => self.follow(planned, &mut report, beat.time),
-                Err(refusal) => {
-                    self.refusal = Some((beat.point, refusal));
+                Err((quantity, mut why)) => {
+                    if let Why::PvtLeavesRange { time, .. } = &mut why {
+                        *time += beat.time - beat.duration;
+                    }
+                    self.refusal = Some((beat.point, (quantity, why)));
                     return None;
                 }
             }
@@ -393,7 +397,11 @@ impl<'a> Drive<'a> {
         let last = self.spec.points.len() - 1;
         let field = field(Quantity::Position, last).within(&Field::element("axes", index));
         for refused in refused.as_slice() {
-            invalid.note(field.as_str(), Some(refused.why.clone()));
+            let mut why = refused.why.clone();
+            if let Why::PositionLimit { time, .. } = &mut why {
+                *time += self.clock;
+            }
+            invalid.note(field.as_str(), Some(why));
         }
     }
 

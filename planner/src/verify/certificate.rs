@@ -1,5 +1,6 @@
 //! What the judge says of a motion, quantity by quantity.
 
+use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
@@ -16,6 +17,9 @@ pub struct Certificate {
     pub joins: Vec<JoinCheck>,
     /// One for each axis and each of position, velocity, acceleration.
     pub ends: Vec<EndCheck>,
+    /// Where each axis turns back, axis by axis in order of time; of a plan that does not promise its velocity, as those whose points
+    /// are joined by polynomials. Of others they are not looked for.
+    pub reversals: Box<[Reversal]>,
 }
 
 /// The extreme of one quantity on one axis, against its limit.
@@ -68,6 +72,17 @@ pub struct EndCheck {
     pub residual: f64,
     /// What it may be.
     pub allowed: f64,
+}
+
+/// Where the velocity of one axis changes its sign.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reversal {
+    /// The axis; one name for all that is said of it.
+    pub axis: Arc<str>,
+    /// When it does \[s\].
+    pub at_time: f64,
+    /// Where the axis is then [axis units].
+    pub position: f64,
 }
 
 /// One thing that a motion promises and does not keep.

@@ -1,5 +1,7 @@
 //! What a motion reaches, quantity by quantity, and what of that is nearest to its limit.
 
+use alloc::vec::Vec;
+
 use arrayvec::ArrayVec;
 
 use super::joins::fastest_join;
@@ -67,6 +69,8 @@ pub(super) struct Extremes {
     higher: [Worst; MAX_ORDER - 3],
     /// The greatest magnitude of acceleration, jerk …, at the index of the order.
     hardest: [f64; MAX_ORDER + 1],
+    /// Where it is asked for: when each span begins in which the velocity keeps its sign \[s\], and a velocity inside it.
+    spans: Option<Vec<(f64, f64)>>,
 }
 
 impl Extremes {
@@ -75,6 +79,7 @@ impl Extremes {
         limits: &Limits,
         highest: usize,
         leads_back: Option<Recovery>,
+        tells_turns: bool,
     ) -> Self {
         let start = profile.start();
         let zero = VELOCITY_ULPS * f64::EPSILON * fastest_join(profile);
@@ -94,6 +99,7 @@ impl Extremes {
             jerk: Worst::NONE,
             higher: [Worst::NONE; MAX_ORDER - 3],
             hardest: [0.0; MAX_ORDER + 1],
+            spans: tells_turns.then(Vec::new),
         };
         // By index: to hand each piece from iterator to iterator costs more than to judge it.
         for (index, &begin) in profile.begins().iter().enumerate() {
@@ -172,6 +178,9 @@ impl Extremes {
         for (to, after) in ends {
             // Between two turning points velocity keeps its sign, which tells speeding up from slowing down.
             let velocity = at(0.5 * (from + to)).state.velocity;
+            if let Some(spans) = &mut self.spans {
+                spans.push((begin + from, velocity));
+            }
             self.see_setpoint(begin + from, before, velocity, limits);
             self.see_setpoint(begin + to, after, velocity, limits);
             (from, before) = (to, after);
@@ -215,6 +224,11 @@ impl Extremes {
         // Both are false for NaN.
         let turns = velocity.abs() <= self.zero && acceleration.abs() - rounding <= limit;
         if turns { limit.copysign(acceleration) } else { acceleration }
+    }
+
+    /// When the motion turns back \[s\], if that was asked for.
+    pub(super) fn turns(&mut self) -> impl Iterator<Item = f64> {
+        crate::profile::turns(self.spans.take().unwrap_or_default())
     }
 
     fn extent(&self) -> f64 {

@@ -16,13 +16,14 @@ mod led_back;
 mod recovery;
 mod transfer;
 
+use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use crate::plan::{AxisPlan, Plan};
 use crate::{AdjustmentReason, Family, Limits, MAX_ORDER, Profile, Quantity, State};
 use crate::{Alone, Workers};
-pub use certificate::{Certificate, EndCheck, JoinCheck, LimitCheck, Violation};
+pub use certificate::{Certificate, EndCheck, JoinCheck, LimitCheck, Reversal, Violation};
 use extremes::{Extremes, Worst, settled};
 use joins::Jumps;
 pub(crate) use recovery::{Recoveries, Recovery};
@@ -60,6 +61,7 @@ pub fn certify_by(plan: &Plan, workers: &impl Workers) -> Certificate {
                 limits: Vec::with_capacity(each),
                 joins: Vec::with_capacity(each),
                 ends: Vec::with_capacity(each),
+                reversals: Box::default(),
             };
             for axis in &plan.axes()[axes] {
                 let (goal, recovery) =
@@ -76,10 +78,11 @@ pub fn certify_by(plan: &Plan, workers: &impl Workers) -> Certificate {
         })
         .into_iter();
     let mut whole = parts.next().unwrap_or_default();
-    for Certificate { limits, joins, ends } in parts {
+    for Certificate { limits, joins, ends, reversals } in parts {
         whole.limits.extend(limits);
         whole.joins.extend(joins);
         whole.ends.extend(ends);
+        whole.turn_back(reversals);
     }
     whole
 }
@@ -161,12 +164,13 @@ impl Promise {
 }
 
 impl Certificate {
-    /// Adds what one axis's motion does: its extremes, its joins, and how near it ends to `goal`.
+    /// Adds what one axis's motion does: its extremes, its joins, how near it ends to `goal`, and where it turns back.
     fn judge(&mut self, axis: &str, profile: &Profile, limits: &Limits, goal: State, promise: &Promise) {
         let asked = |order: usize| promise.limited[order] || limits.higher(order).is_some();
         let highest = (4..=MAX_ORDER).rev().find(|&order| asked(order)).unwrap_or(3);
         let highest_joined = (3..MAX_ORDER).rev().find(|&order| promise.joined[order]).unwrap_or(2);
-        let extremes = Extremes::of(profile, limits, highest.max(highest_joined), promise.leads_back);
+        let (orders, tells_turns) = (highest.max(highest_joined), !promise.limited[1]);
+        let mut extremes = Extremes::of(profile, limits, orders, promise.leads_back, tells_turns);
         let allowed = extremes.allowed(&goal);
         let jumps = Jumps::of(profile, highest.max(highest_joined + 1), promise);
         let axis: Arc<str> = axis.into();
@@ -222,6 +226,20 @@ impl Certificate {
                 self.ends.push(EndCheck { axis, quantity, residual, allowed });
             }
         }
+
+        if tells_turns {
+            self.turn_back(extremes.turns().map(|at_time| Reversal {
+                axis: Arc::clone(&axis),
+                at_time,
+                position: profile.at(at_time).state.position,
+            }));
+        }
+    }
+
+    fn turn_back(&mut self, more: impl IntoIterator<Item = Reversal>) {
+        let mut reversals = core::mem::take(&mut self.reversals).into_vec();
+        reversals.extend(more);
+        self.reversals = reversals.into();
     }
 }
 

@@ -1,4 +1,6 @@
-use planner::{Binding, Certificate, EndCheck, Explanation, Field, InvalidFields, JoinCheck, LimitCheck};
+use planner::{
+    Binding, Certificate, EndCheck, Explanation, Field, InvalidFields, JoinCheck, LimitCheck, Reversal,
+};
 
 use super::choice::{quantity_from_wire, quantity_to_wire};
 use crate::pb;
@@ -6,7 +8,7 @@ use crate::pb;
 impl From<&Certificate> for pb::PlanCertificate {
     fn from(certificate: &Certificate) -> Self {
         use pb::plan_certificate as wire;
-        let Certificate { limits, joins, ends } = certificate;
+        let Certificate { limits, joins, ends, reversals } = certificate;
         Self {
             limit_checks: limits
                 .iter()
@@ -56,6 +58,14 @@ impl From<&Certificate> for pb::PlanCertificate {
                 })
                 .collect(),
             passed: certificate.passed(),
+            reversals: reversals
+                .iter()
+                .map(|Reversal { axis, at_time, position }| wire::Reversal {
+                    axis: axis.to_string(),
+                    at_time: *at_time,
+                    position: *position,
+                })
+                .collect(),
         }
     }
 }
@@ -66,7 +76,7 @@ impl TryFrom<pb::PlanCertificate> for Certificate {
     fn try_from(wire: pb::PlanCertificate) -> Result<Self, InvalidFields> {
         use pb::plan_certificate as wire;
         // Whether it passed follows from the checks.
-        let pb::PlanCertificate { limit_checks, continuity_checks, end_checks, passed: _ } = wire;
+        let pb::PlanCertificate { limit_checks, continuity_checks, end_checks, passed: _, reversals } = wire;
         let quantity = |list: &str, index: usize, given: i32| {
             let field = Field::named("quantity").within(&Field::element(list, index));
             quantity_from_wire(given).map_err(|why| InvalidFields::one(field, why))
@@ -114,6 +124,9 @@ impl TryFrom<pb::PlanCertificate> for Certificate {
             let quantity = quantity("end_checks", index, given)?;
             certificate.ends.push(EndCheck { axis: axis.into(), quantity, residual, allowed });
         }
+        let reversal =
+            |wire::Reversal { axis, at_time, position }| Reversal { axis: axis.into(), at_time, position };
+        certificate.reversals = reversals.into_iter().map(reversal).collect();
         Ok(certificate)
     }
 }

@@ -1,8 +1,8 @@
 //! What the planner and the judge object to, as refusals with a reason that programs know.
 
 use planner::{
-    Accepted, EndCheck, InvalidField, InvalidFields, JoinCheck, Judged, LimitCheck, Plan, Quantity,
-    Rejection, Shortest, Violation, Why,
+    Accepted, EndCheck, InvalidField, InvalidFields, JoinCheck, Judged, LimitCheck, Plan, PvtOffers,
+    Quantity, Rejection, Shortest, Violation, Why,
 };
 
 use crate::{FieldViolation, Reason, Rejected};
@@ -144,7 +144,7 @@ fn reason(why: &Why) -> Reason {
         }
         Why::StartOutsideLimits { .. } => Reason::StartOutsideLimits,
         Why::GoalOutsideLimits { .. } => Reason::GoalOutsideLimits,
-        Why::PositionLimit { .. } => Reason::PositionLimit,
+        Why::PositionLimit { .. } | Why::PvtLeavesRange { .. } => Reason::PositionLimit,
         Why::PathTooShort { .. } => Reason::PathTooShort,
         Why::OffTheLine { .. } | Why::SweptOffLimits { .. } => Reason::PhaseSynchronizationImpossible,
         Why::ArrivesEarly { .. } => Reason::ValueOutOfRange,
@@ -172,26 +172,25 @@ fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
         | Why::PositionLimit { reached: given, allowed, .. } => {
             vec![("needed", text(allowed)), ("given", text(given)), ("nearest", text(allowed))]
         }
-        // Times, and the velocity that there is time for.
-        Why::PvtTimeTooShort { given, needed, nearest_velocity } => vec![
-            ("quantity", "VELOCITY".to_owned()),
-            ("needed", text(needed)),
-            ("given", text(given)),
-            ("nearest", text(nearest_velocity)),
-        ],
-        // Positions, and the time in which the one that was given can be met.
-        Why::PvtOutOfReach { given, least, greatest, duration, needed } => {
-            let nearest = text(&given.max(*least).min(*greatest));
-            let mut figures = vec![
-                ("quantity", "POSITION".to_owned()),
-                ("needed", nearest.clone()),
-                ("given", text(given)),
-                ("nearest", nearest),
-                ("least", text(least)),
-                ("greatest", text(greatest)),
-                ("given_time", text(duration)),
-            ];
-            figures.extend(needed.as_ref().map(|needed| ("needed_time", text(needed))));
+        Why::PvtTimeTooShort { given, duration, offers } => {
+            let nearest = offers.nearest.map(|offer| offer.velocity);
+            let with = offers.nearest.map(|offer| ("nearest_position", offer.position));
+            let mut figures = point_figures("VELOCITY", *given, nearest, *duration, offers);
+            figures.extend(with.map(|(key, position)| (key, text(&position))));
+            figures
+        }
+        Why::PvtOutOfReach { given, velocity: _, duration, least, greatest, offers } => {
+            let nearest = offers.nearest.map(|offer| offer.position);
+            let mut figures = point_figures("POSITION", *given, nearest, *duration, offers);
+            figures.extend([("least", text(least)), ("greatest", text(greatest))]);
+            figures
+        }
+        Why::PvtLeavesRange { given, velocity: _, reached, time, allowed, limit: _, offers } => {
+            let nearest = offers.nearest.map(|offer| offer.position);
+            let mut figures = vec![("quantity", "POSITION".to_owned()), ("given", text(given))];
+            figures.extend(nearest_figures(nearest));
+            figures.extend([("reached", text(reached)), ("at_time", text(time)), ("allowed", text(allowed))]);
+            figures.extend(other_figures(offers));
             figures
         }
         Why::OffTheLine { given, needed } => vec![("needed", text(needed)), ("given", text(given))],
@@ -236,4 +235,32 @@ fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
         _ => Vec::new(),
     };
     figures.into_iter().fold(rejected, |rejected, (key, value)| rejected.with(key, value))
+}
+
+/// Of a point that cannot be met: its value of the quantity that gives way first, and in the same unit the nearest that is taken; and
+/// what else is.
+fn point_figures(
+    quantity: &str,
+    given: f64,
+    nearest: Option<f64>,
+    duration: f64,
+    offers: &PvtOffers,
+) -> Vec<(&'static str, String)> {
+    let mut figures = vec![("quantity", quantity.to_owned()), ("given", Shortest(given).to_string())];
+    figures.extend(nearest_figures(nearest));
+    figures.push(("given_time", Shortest(duration).to_string()));
+    figures.extend(other_figures(offers));
+    figures
+}
+
+fn nearest_figures(nearest: Option<f64>) -> impl Iterator<Item = (&'static str, String)> {
+    let text = nearest.map(|nearest| Shortest(nearest).to_string());
+    ["needed", "nearest"].into_iter().filter_map(move |key| Some((key, text.clone()?)))
+}
+
+/// The velocity with which the position is reached in the time, and the time in which both are.
+fn other_figures(offers: &PvtOffers) -> impl Iterator<Item = (&'static str, String)> {
+    let velocity = offers.same_position.map(|offer| ("velocity_for_position", offer.velocity));
+    let time = offers.later.map(|offer| ("needed_time", offer.duration));
+    velocity.into_iter().chain(time).map(|(key, value)| (key, Shortest(value).to_string()))
 }

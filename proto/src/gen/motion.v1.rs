@@ -347,6 +347,10 @@ pub struct PlanCertificate {
     /// scale of the move (its distance, and the size of its positions).
     #[prost(bool, tag = "4")]
     pub passed: bool,
+    /// Where each axis turns back, axis by axis in order of time; of a plan that does not guarantee its
+    /// velocity, as those whose points are joined by polynomials. Of others they are not looked for.
+    #[prost(message, repeated, tag = "5")]
+    pub reversals: ::prost::alloc::vec::Vec<plan_certificate::Reversal>,
 }
 /// Nested message and enum types in `PlanCertificate`.
 pub mod plan_certificate {
@@ -447,6 +451,29 @@ pub mod plan_certificate {
         }
         fn type_url() -> ::prost::alloc::string::String {
             "/motion.v1.PlanCertificate.EndCheck".into()
+        }
+    }
+    /// Where the velocity of an axis changes its sign.
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct Reversal {
+        /// Name of the axis.
+        #[prost(string, tag = "1")]
+        pub axis: ::prost::alloc::string::String,
+        /// When it does \[s\].
+        #[prost(double, tag = "2")]
+        pub at_time: f64,
+        /// Where the axis is then \[u\].
+        #[prost(double, tag = "3")]
+        pub position: f64,
+    }
+    impl ::prost::Name for Reversal {
+        const NAME: &'static str = "Reversal";
+        const PACKAGE: &'static str = "motion.v1";
+        fn full_name() -> ::prost::alloc::string::String {
+            "motion.v1.PlanCertificate.Reversal".into()
+        }
+        fn type_url() -> ::prost::alloc::string::String {
+            "/motion.v1.PlanCertificate.Reversal".into()
         }
     }
 }
@@ -690,7 +717,8 @@ pub struct PvtPointReport {
     #[prost(double, tag = "6")]
     pub time: f64,
     /// Least displacement from the point before it that the limits allow \[u\], with the velocity and in the
-    /// time as planned. Unset: the time is too short for the velocity, which only a polynomial keeps then.
+    /// time as planned. Where the time is too short for the velocity, which only a polynomial keeps then:
+    /// with the nearest velocity that the limits allow.
     #[prost(double, optional, tag = "7")]
     pub least_displacement: ::core::option::Option<f64>,
     /// Greatest displacement from the point before it that the limits allow \[u\]; unset with the least one.

@@ -59,6 +59,8 @@ pub(crate) enum Mark {
     Dot,
     /// Around a dot, for what is remarkable.
     Ring,
+    /// Two strokes, for where something happens on a curve.
+    Cross,
 }
 
 /// What the values of a panel are seen against.

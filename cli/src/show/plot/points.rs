@@ -1,4 +1,4 @@
-use planner::{JudgedPvt, PvtPointReport, PvtRegion, Quantity};
+use planner::{Certificate, JudgedPvt, PvtPointReport, PvtRegion, Quantity};
 
 use super::figure::{Figure, Ink, Mark, Marks, Span, Strip};
 use super::planned::of_plan;
@@ -19,6 +19,8 @@ pub(crate) fn of_points(judged: &JudgedPvt) -> Figure {
             if let Some(panel) = panel {
                 let ink = if plan.axes().len() > 1 { Ink::Number(index) } else { Ink::Number(DARK) };
                 panel.marks.extend(marks(&reports, quantity, ink));
+                let certificate = judged.judged().certificate();
+                panel.marks.push(reversals(certificate, &axis.axis, quantity, ink));
             }
         }
         let spans = spans(&reports);
@@ -68,6 +70,16 @@ fn marks(reports: &[&PvtPointReport], quantity: Quantity, ink: Ink) -> [Marks; 2
         marks("asked", Mark::Dot, reports.iter().map(|report| asked(report)).collect()),
         marks("not met", Mark::Ring, reports.iter().filter(is_off).map(|report| asked(report)).collect()),
     ]
+}
+
+/// Where the axis turns back, which only polynomials do unasked.
+fn reversals(certificate: &Certificate, axis: &str, quantity: Quantity, ink: Ink) -> Marks {
+    let of_axis = certificate.reversals.iter().filter(|reversal| *reversal.axis == *axis);
+    let points = of_axis.map(|reversal| {
+        (reversal.at_time, if quantity == Quantity::Position { reversal.position } else { 0.0 })
+    });
+    let (name, points) = ("reverses".to_owned(), points.collect());
+    Marks { name, ink, mark: Mark::Cross, points }
 }
 
 /// The regions, neighbours of one region together.

@@ -326,6 +326,12 @@ impl Canvas<'_, '_> {
         let (radius, filled, width) = match mark {
             Mark::Dot => (1.8, true, 0.0),
             Mark::Ring => (4.2, false, 1.2),
+            Mark::Cross => {
+                const ARM: f64 = 4.0;
+                let (x, y) = at;
+                self.line(&[(x - ARM, y - ARM), (x + ARM, y + ARM)], color, 1.4)?;
+                return self.line(&[(x - ARM, y + ARM), (x + ARM, y - ARM)], color, 1.4);
+            }
         };
         let style = ShapeStyle { color: color.to_rgba(), filled, stroke_width: (width * FINE) as u32 };
         let circle = Circle::new(fine(at), (radius * FINE) as i32, style);

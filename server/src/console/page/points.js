@@ -113,6 +113,7 @@ export function points() {
       fact(`${plain(plan.duration)} s`, `through ${points.length} points`),
       fact(String(missed.length), "not met as asked", missed.length ? "warn" : "good"),
       fact(plan.certificate.passed ? "passed" : "failed", plan.guaranteed.length ? "certificate" : "certificate, limits not kept", plan.certificate.passed ? "good" : "bad"),
+      ...(plan.certificate.reversals.length ? [fact(String(plan.certificate.reversals.length), "times turned back", "warn")] : []),
     );
     const lines = curves(axis, plan.duration), { limits } = axis;
     const bounds = [[], [limits.maxVelocity, -limits.maxVelocity], [limits.maxAcceleration, -limits.maxAcceleration], [limits.maxJerk, -limits.maxJerk]];

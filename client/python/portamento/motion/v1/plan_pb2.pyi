@@ -283,7 +283,7 @@ class Classification(_message.Message):
     def __init__(self, eight_type: _Optional[str] = ..., asymmetric_type: _Optional[str] = ..., six_case: _Optional[str] = ..., pvt_regions: _Optional[_Iterable[str]] = ..., feed_rate: _Optional[float] = ...) -> None: ...
 
 class PlanCertificate(_message.Message):
-    __slots__ = ("limit_checks", "continuity_checks", "end_checks", "passed")
+    __slots__ = ("limit_checks", "continuity_checks", "end_checks", "passed", "reversals")
     class LimitCheck(_message.Message):
         __slots__ = ("axis", "quantity", "limit", "extremum", "at_time", "margin", "guaranteed", "led_back_by")
         AXIS_FIELD_NUMBER: _ClassVar[int]
@@ -329,15 +329,26 @@ class PlanCertificate(_message.Message):
         residual: float
         allowed: float
         def __init__(self, axis: _Optional[str] = ..., quantity: _Optional[_Union[Quantity, str]] = ..., residual: _Optional[float] = ..., allowed: _Optional[float] = ...) -> None: ...
+    class Reversal(_message.Message):
+        __slots__ = ("axis", "at_time", "position")
+        AXIS_FIELD_NUMBER: _ClassVar[int]
+        AT_TIME_FIELD_NUMBER: _ClassVar[int]
+        POSITION_FIELD_NUMBER: _ClassVar[int]
+        axis: str
+        at_time: float
+        position: float
+        def __init__(self, axis: _Optional[str] = ..., at_time: _Optional[float] = ..., position: _Optional[float] = ...) -> None: ...
     LIMIT_CHECKS_FIELD_NUMBER: _ClassVar[int]
     CONTINUITY_CHECKS_FIELD_NUMBER: _ClassVar[int]
     END_CHECKS_FIELD_NUMBER: _ClassVar[int]
     PASSED_FIELD_NUMBER: _ClassVar[int]
+    REVERSALS_FIELD_NUMBER: _ClassVar[int]
     limit_checks: _containers.RepeatedCompositeFieldContainer[PlanCertificate.LimitCheck]
     continuity_checks: _containers.RepeatedCompositeFieldContainer[PlanCertificate.ContinuityCheck]
     end_checks: _containers.RepeatedCompositeFieldContainer[PlanCertificate.EndCheck]
     passed: bool
-    def __init__(self, limit_checks: _Optional[_Iterable[_Union[PlanCertificate.LimitCheck, _Mapping]]] = ..., continuity_checks: _Optional[_Iterable[_Union[PlanCertificate.ContinuityCheck, _Mapping]]] = ..., end_checks: _Optional[_Iterable[_Union[PlanCertificate.EndCheck, _Mapping]]] = ..., passed: _Optional[bool] = ...) -> None: ...
+    reversals: _containers.RepeatedCompositeFieldContainer[PlanCertificate.Reversal]
+    def __init__(self, limit_checks: _Optional[_Iterable[_Union[PlanCertificate.LimitCheck, _Mapping]]] = ..., continuity_checks: _Optional[_Iterable[_Union[PlanCertificate.ContinuityCheck, _Mapping]]] = ..., end_checks: _Optional[_Iterable[_Union[PlanCertificate.EndCheck, _Mapping]]] = ..., passed: _Optional[bool] = ..., reversals: _Optional[_Iterable[_Union[PlanCertificate.Reversal, _Mapping]]] = ...) -> None: ...
 
 class PlanMethod(_message.Message):
     __slots__ = ("family", "order", "short_path_policy", "synchronization", "end_on_cycle", "interpolation", "policy")
