@@ -50,7 +50,7 @@ fn defaults_are_written_where_the_absence_would_mean_the_same() {
     let certificate = pb::PlanCertificate::default();
     assert_eq!(
         to_json(&certificate).unwrap(),
-        r#"{"limitChecks":[],"continuityChecks":[],"endChecks":[],"passed":false}"#
+        r#"{"limitChecks":[],"continuityChecks":[],"endChecks":[],"passed":false,"reversals":[]}"#
     );
     assert_eq!(to_json(&pb::AxisSegment::default()).unwrap(), r#"{"duration":0.0}"#);
     assert_eq!(

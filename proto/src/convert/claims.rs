@@ -143,10 +143,10 @@ pub fn misclassified(plan: &Plan) -> InvalidFields {
     invalid
 }
 
-/// Notes that `field` says what is not so; nothing where both read the same.
-fn note(invalid: &mut InvalidFields, field: &str, said: impl ToString, is: impl ToString) {
-    let (given, correct) = (said.to_string(), is.to_string());
-    if given != correct {
+/// Notes that `field` says what is not so.
+fn note<S: PartialEq<I> + ToString, I: ToString>(invalid: &mut InvalidFields, field: &str, said: S, is: I) {
+    if said != is {
+        let (given, correct) = (said.to_string(), is.to_string());
         invalid.push(InvalidField::new(Field::named(field), Why::Misstated { given, correct }));
     }
 }
