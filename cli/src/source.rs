@@ -186,8 +186,8 @@ impl Line {
         let from = text.floor_char_boundary(column.saturating_sub(1));
         let word = text[from..].trim_start();
         let not_finite = ["NaN", "-NaN", "Infinity", "-Infinity", "nan", "inf"];
-        let beyond =
-            cause.contains("out of range") || text[..from].ends_with('-') && word.starts_with("Infinity");
+        let beyond = cause.contains("number out of range")
+            || text[..from].ends_with('-') && word.starts_with("Infinity");
         let (reason, way_out) = if beyond || not_finite.iter().any(|name| word.starts_with(name)) {
             (Reason::NotFinite, "give finite numbers".to_owned())
         } else {

@@ -14,13 +14,15 @@ use common::portamento;
 use serde_json::Value;
 
 /// Rows that hold against a peer, and rows without one.
-const BESIDE: [&str; 12] = [
+const BESIDE: [&str; 14] = [
     "rest to rest",
     "start and end velocity",
+    "asymmetric, rest to rest",
     "asymmetric",
     "any state to any state",
     "order 4",
     "order 5",
+    "order 5, with pieces",
     "trigonometric",
     "generator step",
     "3 axes at one time",
@@ -63,8 +65,13 @@ fn every_row_is_measured_beside_its_peer_on_answers_that_were_checked() {
     let expected = [
         ("rest to rest", "1/6"),
         ("start and end velocity", "1/4"),
+        ("asymmetric, rest to rest", "1/5"),
         ("any state to any state", "1/2; 1500 ns"),
+        ("order 5", "1/1.2"),
+        ("order 5, with pieces", "1/1.2"),
+        ("trigonometric", "1/5"),
         ("PVT command", "150 ns; 1000 ns"),
+        ("generator step", "10 ns"),
         ("6 axes at one time", "1/2"),
         ("setpoint of a batch", "2 ns"),
     ];

@@ -419,6 +419,11 @@ fn the_demo_is_played_and_drawn() {
     for part in ["with 3 operations, no underrun", "the digest is that of a replay", "Drawn in "] {
         assert!(out.contains(part), "{part}: {out}");
     }
+    // A row of the comparison for every family.
+    for family in ["s-curve", "trapezoidal", "polynomial:4", "polynomial:5", "trigonometric"] {
+        let rows = out.lines().filter(|line| line.split_whitespace().next() == Some(family)).count();
+        assert!(rows >= 1, "{family}: {out}");
+    }
     assert!(std::fs::read_to_string(&file).unwrap().starts_with("<svg"));
 }
 
@@ -474,6 +479,35 @@ fn the_papers_finding_holds_on_the_linear_motor() {
     let given = compare(&[&PAPERS_MOVE[..], &given].concat()).with(0).json();
     assert_eq!(given["chosenLimits"], json!([]));
     assert_eq!(given["moves"][0], moves[1]);
+}
+
+/// A move that ends at speed has its closing stop here as on a stream: nothing is brought to rest at once.
+#[test]
+fn what_ends_at_speed_is_stopped_within_its_limits() {
+    let at_speed =
+        compare(&[&PAPERS_MOVE[..], &["--end-velocity", "0.05", "--families", "s-curve", "--json"]].concat());
+    let at_rest = compare(&[&PAPERS_MOVE[..], &["--families", "s-curve", "--json"]].concat()).with(0).json();
+    let (at_speed, at_rest) = (at_speed.with(0).json()["moves"][0].clone(), at_rest["moves"][0].clone());
+    for what in ["maxFollowingError", "residualVibrationAmplitude", "maxEffort"] {
+        let [one, other] = [&at_speed, &at_rest].map(|one| one[what].as_f64().unwrap());
+        assert!(one < 2.0 * other, "{what}: {one} beside {other} from rest to rest");
+    }
+}
+
+/// What is derived from a jump is an impulse, and what is derived from that is no less.
+#[test]
+fn no_derivative_above_a_jump_is_said_to_be_bounded() {
+    let higher = ["--max-snap", "1", "--max-higher-derivatives", "1", "1"];
+    let answer = plan(&[&["--distance", "0.05", "--json"], &higher[..]].concat()).with(0).json();
+    let checks = answer["plan"]["certificate"]["limitChecks"].as_array().unwrap();
+    for quantity in ["QUANTITY_SNAP", "QUANTITY_CRACKLE", "QUANTITY_POP"] {
+        let check = checks.iter().find(|check| check["quantity"] == quantity).unwrap();
+        assert_eq!(
+            (&check["extremum"], &check["guaranteed"]),
+            (&json!("Infinity"), &json!(false)),
+            "{check}"
+        );
+    }
 }
 
 /// Metres, radians and pulses: the same numbers make the same swing on the machine of their kind, but for what its encoder resolves.

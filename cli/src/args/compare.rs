@@ -11,8 +11,8 @@ use crate::law::Law;
 ///
 /// The axis fits the kind of the move. In metres it is a linear motor of 6 kg on an air bearing that carries 1.5 kg on a flexible
 /// mount, read by a laser to 10 nm, of 150 N. In radians it is a torque motor of 0.12 kg m² that carries 0.03 kg m² in the same way, read to
-/// 0.1 urad, of 30 N m. In pulses it is the linear motor, and a pulse is a micrometre, or what --pulses-per-metre makes it. Each swings at 33.5
-/// Hz, with half a percent of critical damping, and the drive's position loop has a gain of 60/s. All of it is simulated in this process, in
+/// 0.1 urad, of 30 N m. In pulses it is the linear motor, and a pulse is a micrometre, or what --pulses-per-metre makes it. Each swings at 30 Hz
+/// while the drive holds the motor, with half a percent of critical damping, and the drive's position loop has a gain of 60/s. All of it is simulated in this process, in
 /// virtual time: the same request, the same numbers. Where a motor comes to the end of its effort, the table says so.
 #[derive(Debug, Args)]
 #[command(
@@ -27,8 +27,8 @@ each so that its derivative takes half the time of the one below to its limit,
 s = 2 j²/a, c = 2 s²/j and so on. Every limit can then be reached.
 
 Which family leaves least swinging depends on the mount: the third order leaves
-nothing where its jerk lasts whole periods of the swing. Here, with the limits
-of the first example, it lasts 1.7. Another axis can be given with --model.
+least where its jerk lasts whole periods of the swing. Here, with the limits of
+the first example, it lasts 1.5. Another axis can be given with --model.
 
 Examples:
   The move of Nguyen, Ng and Chen (2008), 50 mm at 60 mm/s, with its figures:

@@ -1,4 +1,5 @@
-use planner::{AxisKind, AxisPlan, Judged, LimitsSpec, RequestSpec, State};
+use planner::motion::Motion;
+use planner::{AxisKind, AxisPlan, Judged, LimitsSpec, Plan, RequestSpec};
 use proto::{Reason, Rejected};
 use sim_axis::{Axis, AxisConfig, DEFAULT_SETTLE_WINDOW, ReportCard};
 
@@ -157,8 +158,10 @@ const MOST_CYCLES: u64 = 600_000;
 
 /// What every axis of a plan does, each on an axis of its own.
 fn followed(name: &str, judged: &Judged, watched: Watched<'_>) -> Result<Vec<Compared>, Failure> {
-    let plan = judged.plan();
-    let cycles = plan.cycle_count();
+    // With the closing stop that it has on a stream, where it ends at speed.
+    let motion =
+        Motion::open(judged.clone().accepted().map_err(Failure::refused)?).map_err(Failure::refused)?;
+    let (plan, cycles) = (judged.plan(), motion.plan().cycle_count());
     if cycles > MOST_CYCLES {
         let text = format!(
             "{name} lasts {cycles} cycles, and at most {MOST_CYCLES} are compared: shorten the move, or lengthen the \
@@ -170,19 +173,18 @@ fn followed(name: &str, judged: &Judged, watched: Watched<'_>) -> Result<Vec<Com
     let several = plan.axes().len() > 1;
     let each = plan.axes().iter().enumerate().map(|(index, axis)| {
         let name = if several { format!("{name}, {}", axis.axis) } else { name.to_owned() };
-        let (curves, card) = follow(judged, index, axis, watched)?;
+        let (curves, card) = follow(motion.plan(), index, axis, watched)?;
         Ok(Compared::new(name, judged, axis, curves, card, watched.machine.effort_limit(axis.kind)))
     });
     each.collect()
 }
 
 fn follow(
-    judged: &Judged,
+    plan: &Plan,
     index: usize,
     axis: &AxisPlan,
     Watched { machine, settle_tolerance }: Watched<'_>,
 ) -> Result<(Curves, ReportCard), Failure> {
-    let plan = judged.plan();
     let cycle = plan.cycle_time().as_seconds();
     let config = AxisConfig {
         cycle,
@@ -201,7 +203,7 @@ fn follow(
         curves.push(plan.cycle_time().start_of(number), setpoint, machine.step(&setpoint));
     }
     machine.begin_settling();
-    let end = State::at_rest(axis.profile.end().position);
+    let end = setpoint_at(plan.cycle_count());
     let mut number = plan.cycle_count();
     while !machine.settle_window_is_over() {
         number += 1;

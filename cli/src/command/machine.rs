@@ -50,10 +50,10 @@ impl Machine<'_> {
         let what = match (self, kind) {
             (Self::Given(_), _) => "The axis that the model describes",
             (Self::Usual { .. }, AxisKind::Prismatic | AxisKind::Pulses) => {
-                "A linear motor of 6 kg with 1.5 kg on a mount that swings at 33.5 Hz"
+                "A linear motor of 6 kg with 1.5 kg on a mount that swings at 30 Hz"
             }
             (Self::Usual { .. }, AxisKind::Revolute) => {
-                "A torque motor of 0.12 kg m² with 0.03 kg m² on a mount that swings at 33.5 Hz"
+                "A torque motor of 0.12 kg m² with 0.03 kg m² on a mount that swings at 30 Hz"
             }
         };
         if kind != AxisKind::Pulses {

@@ -6,9 +6,9 @@ use std::hint::black_box;
 use planner::generator::{AxisLimits, Generator};
 use planner::motion::{Motion, Operation};
 use planner::{
-    AxisTransfer, CycleTime, Limits, Problem, Profile, PvtPlanner, PvtPolicy, PvtTarget, ShortPathPolicy,
-    State, Synchronization, Timing, Transit, certify, plan_move, plan_polynomial, plan_transfer,
-    plan_trigonometric, together, transfer_violations, violations,
+    AxisTransfer, CycleTime, InvalidFields, Limits, PolynomialMove, Problem, Profile, PvtPlanner, PvtPolicy,
+    PvtTarget, ShortPathPolicy, State, Synchronization, Timing, Transit, certify, plan_move, plan_polynomial,
+    plan_transfer, plan_trigonometric, together, transfer_violations, violations,
 };
 use prost::Message as _;
 use proto::stream::{Batch, Columns, Tails, ToAxis};
@@ -56,14 +56,16 @@ fn ensure(holds: bool, otherwise: impl Fn() -> String) -> Result<(), Unequal> {
 type Make = fn() -> Result<Row, Unequal>;
 
 /// Every row by its name, in their order.
-pub(crate) const ROWS: [(&str, Make); 19] = [
+pub(crate) const ROWS: [(&str, Make); 21] = [
     ("rest to rest", || moves(draw(true, false), Budget::share(6.0))),
     ("start and end velocity", || moves(draw(false, false), Budget::share(4.0))),
+    ("asymmetric, rest to rest", || moves(draw(true, true), Budget::share(5.0))),
     ("asymmetric", || moves(draw(false, true), Budget::default())),
     ("any state to any state", any_states),
-    ("order 4", || smoother(|problem| plan_polynomial(problem, 4), |planned| planned.to_profile())),
-    ("order 5", || smoother(|problem| plan_polynomial(problem, 5), |planned| planned.to_profile())),
-    ("trigonometric", || smoother(plan_trigonometric, |planned| planned.to_profile())),
+    ("order 4", || smoother(polynomial::<4>, |planned| planned.to_profile(), Budget::default())),
+    ("order 5", || smoother(polynomial::<5>, |planned| planned.to_profile(), Budget::share(1.2))),
+    ("order 5, with pieces", || smoother(laid_polynomial::<5>, Profile::clone, Budget::share(1.2))),
+    ("trigonometric", || smoother(plan_trigonometric, |planned| planned.to_profile(), Budget::share(5.0))),
     ("PVT command", pvt_command),
     ("generator step", generator_step),
     ("3 axes at one time", || at_one_time::<3>(Budget::default())),
@@ -141,6 +143,7 @@ fn any_states() -> Result<Row, Unequal> {
 fn smoother<T>(
     plan: impl Fn(&Problem) -> Result<T, planner::InvalidFields> + 'static,
     laid: impl Fn(&T) -> Profile,
+    budget: Budget,
 ) -> Result<Row, Unequal> {
     let mut random = Random(5);
     let problems: Vec<Problem> = problems(draw(true, false))?
@@ -156,7 +159,17 @@ fn smoother<T>(
     let work = move |_: &mut (), problem: &Problem| {
         black_box(&plan(problem));
     };
-    Ok(Row { ours: Box::new(Each::new(problems, || (), work)), peer, budget: Budget::default() })
+    Ok(Row { ours: Box::new(Each::new(problems, || (), work)), peer, budget })
+}
+
+/// How long each phase lasts, which is all that there is to solve.
+fn polynomial<const ORDER: u32>(problem: &Problem) -> Result<PolynomialMove, InvalidFields> {
+    plan_polynomial(problem, ORDER)
+}
+
+/// The same as what is played: 2ⁿ − 1 pieces.
+fn laid_polynomial<const ORDER: u32>(problem: &Problem) -> Result<Profile, InvalidFields> {
+    plan_polynomial(problem, ORDER).map(|planned| planned.to_profile())
 }
 
 fn pvt_command() -> Result<Row, Unequal> {
@@ -205,7 +218,7 @@ fn generator_step() -> Result<Row, Unequal> {
         black_box(running.step());
     };
     let side = Each::new(vec![(); PROBLEMS], move || (fresh.clone(), 0), work);
-    Ok(Row { ours: Box::new(side), peer, budget: Budget::default() })
+    Ok(Row { ours: Box::new(side), peer, budget: Budget { ns: Some(10.0), ..Budget::default() } })
 }
 
 fn at_one_time<const AXES: usize>(budget: Budget) -> Result<Row, Unequal> {

@@ -1,13 +1,13 @@
 //! Limits of speeding up and slowing down, which bound the acceleration by the sign of the velocity, as bounds with signs.
 //!
-//! The limit of a ramp is told by the velocities at its ends: speeding up, slowing down, or the lower of both where it crosses zero. So
-//! for each direction of the travel, and each sign of the velocity that is held or touched on the way, the bounds have constant signs:
+//! The limit of a ramp is told by the velocities at its ends: speeding up, slowing down, or the lower of both where it crosses zero, unless it
+//! is parted there ([`turning`](super::turning)). So for each direction of the travel, and each sign of the velocity that is held or touched on the way, the bounds have constant signs:
 //!
 //! ```text
 //! velocities of a motion      raising the velocity     lowering it
 //! forward                     speeding up: A           slowing down: D
 //! backward                    slowing down: D          speeding up: A
-//! through zero                min(A, D) on that ramp, which is the one or the other, or both are
+//! through zero                min(A, D) on that ramp, which is the one or the other, or both are; or both, parted at zero
 //! ```
 
 use super::axis::AxisTransfer;
@@ -40,8 +40,9 @@ const NAMES: Names = Names {
 /// The fastest motion of one axis from any state to any state within `limits`, cruising at most at the feed rate: as [`plan_transfer`](crate::plan_transfer),
 /// with speeding up and slowing down told apart.
 ///
-/// Fastest among the motions of which each ramp has one limit, told by the velocities at its ends: *acceleration* where the speed
-/// grows, *deceleration* where it shrinks, the lower of both where it crosses zero.
+/// Each ramp has one limit, told by the velocities at its ends: *acceleration* where the speed grows, *deceleration* where it shrinks; where
+/// it crosses zero it has the lower of both, or it is parted there, and each part has its own. Fastest among those with at most two turns
+/// of the second kind, each at the greatest acceleration that a turn may have, or at rest.
 ///
 /// # Errors
 /// What is wrong with `start` and `goal`, as [`Transfer::new`] says; [`Why::PositionLimit`] where the motion leaves the position range;

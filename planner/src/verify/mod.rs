@@ -175,7 +175,15 @@ impl Certificate {
         let jumps = Jumps::of(profile, highest.max(highest_joined + 1), promise);
         let axis: Arc<str> = axis.into();
 
+        // The derivative of a jump is an impulse, and so is whatever is derived from that.
+        let mut impulse = None;
         for (order, worst) in extremes.worst(limits, highest) {
+            if order >= 3 && !promise.joined[order - 1] {
+                let (jump, at_time) = jumps.worst[order - 1];
+                if jump.abs() > allowed[order - 1] {
+                    impulse = Some(at_time);
+                }
+            }
             if order >= 4 && !asked(order) {
                 continue;
             }
@@ -183,11 +191,8 @@ impl Certificate {
             // A position range is promised by being stated.
             let guaranteed = order == 0 || guaranteed;
             let mut worst = worst;
-            if order >= 3 && !promise.joined[order - 1] {
-                let (jump, at_time) = jumps.worst[order - 1];
-                if jump.abs() > allowed[order - 1] {
-                    worst.see_magnitude(f64::INFINITY, worst.limit, at_time);
-                }
+            if let Some(at_time) = impulse {
+                worst.see_magnitude(f64::INFINITY, worst.limit, at_time);
             }
             let Worst { margin, limit, extremum, at_time } = worst;
             let at_time =

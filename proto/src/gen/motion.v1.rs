@@ -36,8 +36,8 @@ pub struct AxisLimits {
     /// what reaches the greater acceleration limit within one cycle, and stands so in the plan.
     #[prost(double, tag = "3")]
     pub max_jerk: f64,
-    /// Greatest acceleration while speed shrinks \[u/s^2\], > 0. A ramp that goes through zero velocity
-    /// takes the smaller of the two. Unset: max_acceleration.
+    /// Greatest acceleration while speed shrinks \[u/s^2\], > 0. Where the velocity changes its sign, the
+    /// smaller of the two. Unset: max_acceleration.
     #[prost(double, optional, tag = "4")]
     pub max_deceleration: ::core::option::Option<f64>,
     /// Greatest speed towards falling positions \[u/s\], >= 0; 0 forbids that direction. Unset:
@@ -436,7 +436,7 @@ pub mod plan_certificate {
         #[prost(enumeration = "super::Quantity", tag = "2")]
         pub quantity: i32,
         /// How far the last segment ends from AxisPlan.reached, or that from the goal as adjusted, whichever is
-        /// farther: a magnitude in the unit of the quantity.
+        /// farther: a magnitude in the unit of the quantity. An acceleration that may jump may jump to its end.
         #[prost(double, tag = "3")]
         pub residual: f64,
         /// The greatest residual that counts as reached.

@@ -1,4 +1,4 @@
-use planner::{AxisKind, AxisPlan, Law, Plan, Quantity, Synchronization};
+use planner::{AxisKind, AxisPlan, Family, Law, Plan, Quantity, Synchronization};
 
 use super::figure::{Band, Baseline, Figure, Ink, Limit, Panel, Series, Stroke};
 use super::layout::{LEFT, RIGHT};
@@ -27,7 +27,12 @@ pub(crate) fn of_plan(plan: &Plan) -> Figure {
                 limits(axis, quantity).into_iter().map(move |value| Limit { value, ink })
             });
             panels.push(Panel {
-                title: name.to_owned(),
+                title: match (quantity, plan.method().family) {
+                    (Quantity::Jerk, Family::Trapezoidal) => {
+                        format!("{name}, without bound where the acceleration jumps")
+                    }
+                    _ => name.to_owned(),
+                },
                 unit: unit(kind, quantity),
                 baseline: baseline(quantity),
                 series: series.collect(),
