@@ -267,6 +267,16 @@ fn a_start_that_is_refused_strands_the_axis() {
     assert_eq!(again["error"]["reason"], "TIMES_NOT_INCREASING");
     assert_eq!(again["error"]["metadata"]["before"], "0.1");
 
+    // Nor does a line that cannot be read say where it is.
+    for unread in ["0,abc,0.2", "0,1", "0;1;0", "nan,1,0"] {
+        let lines = format!("{unread}\n0.1,1.01,0.2\n0,1,0.1\n0.1,1.01,0.1\n");
+        let answers =
+            portamento(&[&["pvt", "--follow", "--json"], &LIMITS[..]].concat(), &lines).with(0).lines();
+        let reasons: Vec<_> = answers[..2].iter().map(|answer| answer["error"]["reason"].clone()).collect();
+        assert_eq!(reasons[1], "PROTOCOL_ORDER", "{unread}: {answers:?}");
+        assert_eq!(answers[2]["position"], 1.01, "{unread}: {answers:?}");
+    }
+
     // Where it cannot rest at 0 it waits for a start as well.
     let range = ["--min-position", "0.1", "--json"];
     let answers =

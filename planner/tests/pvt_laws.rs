@@ -590,6 +590,46 @@ fn wandered(random: &mut Random, start: f64, duration: f64, limits: &LimitsSpec)
     Some((state.velocity, state.position))
 }
 
+/// A target far beyond all that can be reached, as a detection gone wrong may be: the axis goes as near as it can, within its limits, and ends
+/// where the answer says.
+#[test]
+fn what_is_out_of_all_reach_is_approached() {
+    for (duration, max_jerk) in [(0.001, 10.0), (0.001, 160.0), (0.01, 160.0), (0.05, 160.0)] {
+        for exponent in 0..=40 {
+            for (sign, velocity) in [(1.0, 0.0), (-1.0, 0.0), (1.0, 0.1), (-1.0, 0.1)] {
+                let limits = LimitsSpec {
+                    max_velocity: 0.5,
+                    max_acceleration: 4.0,
+                    max_jerk,
+                    ..LimitsSpec::default()
+                };
+                let case = Case { start: velocity, end: velocity, duration, part: 0.0, limits };
+                let position = sign * 10f64.powf(0.5 * f64::from(exponent));
+                for policy in [PvtPolicy::PreferVelocity, PvtPolicy::PreferPosition] {
+                    let planned = case.plan(position, policy).unwrap();
+                    legal(&case, &planned);
+                    let profile = planned.motion().to_profile();
+                    let (end, reached) =
+                        (profile.at(duration).state.position, planned.motion().reached().position);
+                    assert!(
+                        (end - reached).abs() <= 1e-12 * reached.abs(),
+                        "{case:?} {position}: {end} and {reached}"
+                    );
+                    let nearest = if sign > 0.0 {
+                        planned.greatest_displacement()
+                    } else {
+                        planned.least_displacement()
+                    };
+                    assert!(
+                        policy != PvtPolicy::PreferVelocity
+                            || (reached - nearest).abs() <= 1e-12 * nearest.abs()
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// Numbers at the ends of what is taken: every command is answered, with finite numbers, or refused.
 #[test]
 fn numbers_at_the_ends_of_the_range() {

@@ -282,7 +282,7 @@ fn a_finish_that_one_axis_cannot_wait_for() {
     };
     let said = plan(spec).unwrap_err().to_string();
     assert!(said.starts_with("axes[1].positions[0]: takes at most 0 s, and the motion lasts "), "{said}");
-    assert!(said.ends_with("allow it to go back, or let it arrive by itself"), "{said}");
+    assert!(said.ends_with("allow it to go back, or plan it by itself"), "{said}");
 }
 
 #[test]

@@ -164,7 +164,7 @@ fn the_words_of_every_reason() {
         ),
         (
             Why::ArrivesEarly { given: 3.0, greatest: 2.0 },
-            "takes at most 2 s, and the motion lasts 3 s: allow it to go back, or let it arrive by itself",
+            "takes at most 2 s, and the motion lasts 3 s: allow it to go back, or plan it by itself",
         ),
     ];
     for (why, text) in rows {

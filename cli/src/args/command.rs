@@ -67,7 +67,8 @@ pub(crate) enum Order {
     },
     /// Go on through further points, for a motion through points, until it begins to stop.
     Append {
-        /// Points as a table in CSV, as `portamento pvt --points` reads them; times count from the last point so far.
+        /// Points as a table in CSV, as `portamento pvt --points` reads them; times count from the last point so far, where the
+        /// motion is then, and not where a row at time 0 says.
         #[arg(value_name = "FILE.csv")]
         points: PathBuf,
         /// Come to rest at the last of them.

@@ -110,17 +110,37 @@ impl<'a> Following<'a> {
             Rejected::new(Reason::MessageInvalid, text)
         };
         let cells = cells(line).unwrap_or_default();
-        let [time, position, velocity] = cells.as_slice() else {
-            return Err(not_a_command(format!("has {}", counted(cells.len() as u64, "number"))));
+        let numbers = match cells.as_slice() {
+            [time, position, velocity] => [time, position, velocity].map(|cell| number(cell)),
+            _ => {
+                let cause = format!("has {}", counted(cells.len() as u64, "number"));
+                return Err(self.unread(not_a_command(cause)));
+            }
         };
-        let read = |cell: &String| number(cell).map_err(not_a_command);
-        let (time, position, velocity) = (read(time)?, read(position)?, read(velocity)?);
+        let [time, position, velocity] = match numbers {
+            [Ok(time), Ok(position), Ok(velocity)] => [time, position, velocity],
+            numbers => {
+                let cause = numbers.into_iter().find_map(Result::err).unwrap_or_default();
+                return Err(self.unread(not_a_command(cause)));
+            }
+        };
         self.begun = true;
         if time == 0.0 && !matches!(self.phase, Phase::UnderWay(_)) {
             self.start(State { position, velocity, acceleration: 0.0 })?;
             return Ok(None);
         }
-        self.command(time, position, velocity).map(Some)
+        let answer = self.command(time, position, velocity).map(Some);
+        // A time that is none may have been to be 0.
+        if time.is_finite() { answer } else { answer.map_err(|rejected| self.unread(rejected)) }
+    }
+
+    /// Before anything was taken, a line that cannot be read may have been the one that says where the axis starts.
+    fn unread(&mut self, rejected: Rejected) -> Rejected {
+        self.begun = true;
+        if matches!(self.phase, Phase::Open(_)) {
+            self.phase = Phase::Stranded;
+        }
+        rejected
     }
 
     fn start(&mut self, start: State) -> Result<(), Rejected> {

@@ -485,7 +485,7 @@ pub enum Why {
     },
     /// An axis that may not go back and cannot wait either, so that it arrives early or never.
     #[error(
-        "takes at most {} s, and the motion lasts {} s: allow it to go back, or let it arrive by itself",
+        "takes at most {} s, and the motion lasts {} s: allow it to go back, or plan it by itself",
         Shortest(*.greatest),
         Shortest(*.given)
     )]

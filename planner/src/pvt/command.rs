@@ -231,8 +231,9 @@ impl Reach<'_> {
         let over_end = past_end + 0.5 * gap * beyond.first;
         let under_start = past_start - 0.5 * gap * before.last;
         let ramp = |change: f64, time: f64| GentleRamp::new(self.lane, sign * change, time);
-        // A difference of two positions is seldom the product of a velocity and a time, to the last digit.
-        let straight = gap == 0.0 && past_start.abs() <= self.slack;
+        // A difference of two positions is seldom the product of a velocity and a time, to the last digit; but the slack is what a position
+        // that is reached is rounded to, and says nothing of how near the nearest is to standing still.
+        let straight = gap == 0.0 && past_start.abs() <= if arrives { self.slack } else { 0.0 };
         let (region, cruise_velocity, first, cruise, last) = if straight {
             (PvtRegion::R1, start, GentleRamp::default(), duration, GentleRamp::default())
         } else if over_end > 0.0 {

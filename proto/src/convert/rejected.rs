@@ -187,8 +187,10 @@ fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
         }
         Why::PvtLeavesRange { given, velocity: _, reached, time, allowed, limit: _, offers } => {
             let nearest = offers.nearest.map(|offer| offer.position);
+            let with = offers.nearest.map(|offer| ("nearest_velocity", offer.velocity));
             let mut figures = vec![("quantity", "POSITION".to_owned()), ("given", text(given))];
             figures.extend(nearest_figures(nearest));
+            figures.extend(with.map(|(key, velocity)| (key, text(&velocity))));
             figures.extend([("reached", text(reached)), ("at_time", text(time)), ("allowed", text(allowed))]);
             figures.extend(other_figures(offers));
             figures

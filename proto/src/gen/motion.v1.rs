@@ -1187,7 +1187,8 @@ pub enum PvtPolicy {
     PreferPosition = 2,
     /// Keep position and velocity, take the least extra time.
     ExtendTime = 3,
-    /// Refuse with PVT_UNREACHABLE, which names the point and what could be reached.
+    /// Refuse with PVT_UNREACHABLE, which names the point and what could be reached. CUBIC and QUINTIC
+    /// meet every point whatever limits that breaks, and refuse none.
     Reject = 4,
 }
 impl PvtPolicy {
