@@ -85,15 +85,6 @@ async fn serve(
 ) {
     let mut commanders = Commanders::default();
     while !session.is_over() {
-        // As much as there is room for goes out before anything is waited for.
-        while session.has_output()
-            && let Ok(permit) = outgoing.try_reserve()
-        {
-            send(&mut session, &tap, epoch, permit);
-        }
-        if session.is_over() {
-            break;
-        }
         tokio::select! {
             // Reports first: what an axis has just said decides what it is sent.
             biased;

@@ -6,6 +6,9 @@ use proto::stream::{Batch, Refused, Report};
 use crate::axis::{Axis, Observation};
 use crate::monitor::ReportCard;
 
+/// Steps in which a lead is gone through on the way to an operation, where time can wait.
+const STEPS: u64 = 8;
+
 /// Several axes that play one stream: everything that a run does, except waiting.
 ///
 /// One [`cycle`](Self::cycle) after the other is a run; whoever calls it is the clock. It allocates nothing, waits for
@@ -198,6 +201,9 @@ impl Player {
     /// held? An axis that hurries through half of it and then waits asks for no more than its credit, and the least lead that it
     /// reports is one that it needed. At rest too: what an operation begins there has to find room ahead of it.
     ///
+    /// Within reach of an operation that is asked for and not answered it goes in small steps, so that the server, which measures its way to
+    /// the axis in the axis's cycles, does not find that way many times as long from one report to the next and come too late.
+    ///
     /// Where the last cycle is held, an operation that is asked for and not answered may still change that: `asked_from` is the first cycle at
     /// which one may take effect, `u64::MAX` where there is none.
     #[must_use]
@@ -206,8 +212,10 @@ impl Player {
             Phase::Waiting => !self.buffer.is_ready() && !self.closed,
             Phase::Playing => {
                 let asked = asked_from <= self.buffer.accepted();
-                let more_is_to_come = !self.closed && (asked || !self.buffer.has_last());
-                more_is_to_come && self.buffer.held() <= self.buffer.lead() / 2
+                let goes_on = !self.buffer.has_last();
+                let lead = self.buffer.lead();
+                let enough = if asked && goes_on { lead - lead / STEPS } else { lead / 2 };
+                !self.closed && (asked || goes_on) && self.buffer.held() <= enough
             }
             Phase::Settling | Phase::Over => false,
         }
