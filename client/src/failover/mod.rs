@@ -184,7 +184,7 @@ pub struct Failover {
     granted: u64,
     /// Batches that were refused since it does.
     refusals: u32,
-    /// Servers that have said what cannot be read since an operation was answered.
+    /// Servers that have said what cannot be read while operations were asked for, since one was answered.
     unreadable: u32,
     actions: VecDeque<Action>,
 }
@@ -385,8 +385,12 @@ impl Failover {
 
     /// A server broke the protocol. Where that goes on, operations are to blame, and are asked for no more.
     fn count_unreadable(&mut self, problem: &str) {
+        if self.unanswered.is_empty() {
+            self.unreadable = 0;
+            return;
+        }
         self.unreadable += 1;
-        if self.unreadable < MOST_UNREADABLE || self.unanswered.is_empty() {
+        if self.unreadable < MOST_UNREADABLE {
             return;
         }
         self.unreadable = 0;
