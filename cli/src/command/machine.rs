@@ -72,8 +72,8 @@ impl Machine<'_> {
 /// on the motor. It is the kind of machine that Nguyen, Ng and Chen (2008) measured; of theirs no figures are known.
 ///
 /// The load swings at 30 Hz behind a motor that is held and at 33.5 Hz freely, with half a percent of critical damping: in the
-/// 50 ms in which the acceleration of their move comes to 0.6 m/s² it swings 1.7 times, so that the third order does not cancel
-/// its own swing, which it would where that number is whole.
+/// 50 ms in which the acceleration of their move comes to 0.6 m/s² it swings 1.5 times while the drive holds the motor, so that the third
+/// order does not cancel most of its own swing, as it would where that number is whole.
 fn linear_motor() -> AxisModelSpec {
     AxisModelSpec {
         mechanics: MechanicsSpec {
