@@ -134,7 +134,9 @@ impl Connect {
     /// # Errors
     /// Those of [`to`](Self::to).
     pub async fn channel(&self, endpoint: &str) -> Result<Channel, Error> {
-        self.endpoint(endpoint)?.connect().await.map_err(|error| Error::unreachable(endpoint, &error))
+        let server = self.endpoint(endpoint)?;
+        // Boxed, since it is some kilobytes, seldom needed, and would be part of whatever may connect.
+        Box::pin(server.connect()).await.map_err(|error| Error::unreachable(endpoint, &error))
     }
 
     fn endpoint(&self, endpoint: &str) -> Result<Endpoint, Error> {

@@ -270,7 +270,8 @@ impl Uplink {
         } else {
             (None, connect.clone())
         };
-        let opening = self.opening.spawn(TraceContext::carried(async move {
+        // Boxed first: on its way to where it stays it is moved a dozen times.
+        let opening = self.opening.spawn(TraceContext::carried(Box::pin(async move {
             let opened = async {
                 let client = match warm {
                     Some(client) => client,
@@ -285,7 +286,7 @@ impl Uplink {
                 opened
             };
             (epoch, opened.await)
-        }));
+        })));
         self.lines.insert(epoch, Line { outgoing, opening, endpoint });
     }
 

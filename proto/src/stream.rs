@@ -131,8 +131,9 @@ pub const FARTHEST_AHEAD: u64 = 4096;
 /// The stream is open.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opened {
-    /// What will be played.
-    pub motion: Motion,
+    /// What will be played; `None` after a resume, of which it is the motion that was given: it need not be judged, written and read
+    /// twice in the hundredth of a second in which many axes may come at once.
+    pub motion: Option<Motion>,
     /// The first cycle that will be sent.
     pub first_cycle: u64,
     /// Who serves.

@@ -34,7 +34,7 @@ pub struct InvalidTraceContext {
 }
 
 tokio::task_local! {
-    static CURRENT: TraceContext;
+    static CURRENT: Option<TraceContext>;
 }
 
 impl TraceContext {
@@ -70,7 +70,7 @@ impl TraceContext {
     /// The trace that this task works for, where there is one.
     #[must_use]
     pub fn current() -> Option<Self> {
-        CURRENT.try_with(|current| *current).ok()
+        CURRENT.try_with(|current| *current).ok().flatten()
     }
 
     /// What is to be sent with a call that this task makes: a step of its trace, or the beginning of one.
@@ -81,18 +81,13 @@ impl TraceContext {
 
     /// Does `work` for this trace. Tasks that the work spawns are told by [`carried`](Self::carried).
     pub async fn scope<T>(self, work: impl Future<Output = T>) -> T {
-        CURRENT.scope(self, work).await
+        CURRENT.scope(Some(self), work).await
     }
 
     /// `work`, to be spawned, for the trace that the spawning task works for.
     pub fn carried<T>(work: impl Future<Output = T>) -> impl Future<Output = T> {
-        let current = Self::current();
-        async move {
-            match current {
-                Some(current) => current.scope(work).await,
-                None => work.await,
-            }
-        }
+        // No `async` block: it would hold the work a second time, and a stream's is some kilobytes.
+        CURRENT.scope(Self::current(), work)
     }
 
     /// The id of the trace, as logs show it.

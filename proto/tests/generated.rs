@@ -17,6 +17,13 @@ const FILES: [&str; 4] = [
     "motion/v1/recording.proto",
 ];
 
+/// What is sent seldom, and is so much larger than the messages beside it that it is boxed.
+const LARGE: [&str; 3] = [
+    ".motion.v1.StreamSetpointsRequest.message.open",
+    ".motion.v1.StreamSetpointsResponse.message.opened",
+    ".motion.v1.StreamSetpointsResponse.message.revised",
+];
+
 #[test]
 fn checked_in_code_follows_from_the_schema() {
     check(&generated());
@@ -58,6 +65,10 @@ fn generated() -> Generated {
     let out = Scratch::new();
     let mut config = tonic_prost_build::Config::new();
     config.enable_type_names();
+    // Each stream has room for some messages on both sides, and nearly all of them are small.
+    for large in LARGE {
+        config.boxed(large);
+    }
     tonic_prost_build::configure()
         .out_dir(out.path())
         .emit_rerun_if_changed(false)

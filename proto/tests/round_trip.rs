@@ -336,7 +336,7 @@ fn a_motion_that_is_none_is_refused_with_its_field() {
         let mut motion = wire.clone();
         spoil(&mut motion);
         let revised = pb::MotionRevised { motion: Some(motion), certificate: None };
-        let message = Some(pb::stream_setpoints_response::Message::Revised(revised));
+        let message = Some(pb::stream_setpoints_response::Message::Revised(Box::new(revised)));
         let rejected =
             proto::response_from_wire(pb::StreamSetpointsResponse { epoch: 1, message }).unwrap_err();
         assert_eq!((rejected.reason, rejected.fields[0].field.as_str()), (reason, field), "{rejected}");

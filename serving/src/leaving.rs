@@ -38,7 +38,8 @@ impl Leaving {
     /// Does work that the process waits for before it goes. It belongs to the span and the trace of the call that it is
     /// for.
     pub fn spawn(&self, work: impl Future<Output = ()> + Send + 'static) {
-        self.work.spawn(TraceContext::carried(work.in_current_span()));
+        // Boxed first: on its way to where it stays it is moved a dozen times, and a stream's is some kilobytes.
+        self.work.spawn(TraceContext::carried(Box::pin(work)).in_current_span());
     }
 
     /// Completes when all work has ended, or a while after the deadline.

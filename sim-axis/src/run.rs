@@ -4,10 +4,10 @@ mod carry;
 mod report;
 mod request;
 
-use client::failover::{Failure, News};
+use client::failover::{Begun, Failure, News};
 use client::{Buffer, Next, Standing, Uplink};
 use planner::Setpoint;
-use proto::stream::{Motion, Open, Opened, Operation};
+use proto::stream::{Motion, Open, Operation};
 use tokio::sync::{mpsc, oneshot};
 
 use crate::axis::Axis;
@@ -66,7 +66,7 @@ impl Tracking {
         let open = open_of(&request);
         let cycle = request.plan.plan().cycle_time();
         let mut uplink = Uplink::new(request.servers(), open.clone(), cycle);
-        let Opened { motion, served_by, .. } = opened(&mut uplink).await?;
+        let Begun { motion, served_by } = opened(&mut uplink).await?;
         let player = player(&open, axes, &motion, &uplink);
         let (commander, commands) = commander();
         let outside = spawn(player, cycle, request.clock).map_err(|e| TrackError::Thread(e.to_string()))?;
@@ -129,7 +129,7 @@ impl Tracking {
 const UPDATES: usize = 4;
 
 /// Waits until one planner has opened the stream, or all have been asked.
-async fn opened(uplink: &mut Uplink) -> Result<Opened, TrackError> {
+async fn opened(uplink: &mut Uplink) -> Result<Begun, TrackError> {
     loop {
         match uplink.next().await {
             Next::News(News::Opened(opened)) => return Ok(*opened),

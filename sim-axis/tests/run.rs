@@ -98,8 +98,12 @@ async fn session(
     }
     let motion = Motion::opened(planner::motion::Motion::open(plan.clone()).ok()?);
     let say = async |message| answers.send(Ok(proto::response_to_wire(epoch, message))).await.ok();
-    let opened =
-        Opened { motion: motion.clone(), first_cycle: 1, served_by: "test".into(), current_epoch: epoch };
+    let opened = Opened {
+        motion: Some(motion.clone()),
+        first_cycle: 1,
+        served_by: "test".into(),
+        current_epoch: epoch,
+    };
     say(ToAxis::Opened(Box::new(opened))).await?;
     let plan = plan.plan();
     let end = if close_at_rest { plan.cycle_count() } else { u64::MAX };

@@ -370,7 +370,7 @@ async fn a_tampered_plan_does_not_pass_and_is_not_played() {
         }
         let source = Some(pb::open::Source::Plan(plan));
         let open = pb::Open { stream: "x".into(), epoch: 1, source, ..Default::default() };
-        let message = Some(pb::stream_setpoints_request::Message::Open(open));
+        let message = Some(pb::stream_setpoints_request::Message::Open(Box::new(open)));
         let first = pb::StreamSetpointsRequest { message };
         let mut answers = setpoints.stream_setpoints(tokio_stream::iter([first])).await.unwrap().into_inner();
         let status = answers.message().await.expect_err(name);

@@ -252,7 +252,7 @@ async fn a_resume_and_an_open_without_a_plan() {
     for (source, reason, field) in rows {
         let mut axis = Rude::connect(&server).await;
         let open = pb::Open { stream: "x".into(), epoch: 1, source, ..Default::default() };
-        axis.say(Some(Message::Open(open))).await;
+        axis.say(Some(Message::Open(Box::new(open)))).await;
         let rejected = axis.refusal().await;
         assert_eq!((rejected.reason, rejected.fields[0].field.as_str()), (reason, field));
     }

@@ -76,7 +76,7 @@ async fn a_stream_with_a_message_that_is_too_large() {
         source: Some(pb::open::Source::Plan(long_plan())),
         ..Default::default()
     };
-    let first = pb::StreamSetpointsRequest { message: Some(Message::Open(open)) };
+    let first = pb::StreamSetpointsRequest { message: Some(Message::Open(Box::new(open))) };
     let mut answers = setpoints.stream_setpoints(tokio_stream::iter([first])).await.unwrap().into_inner();
     is_too_large(&answers.message().await.unwrap_err());
 }

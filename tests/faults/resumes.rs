@@ -33,7 +33,7 @@ async fn asked(
     client: &mut SetpointServiceClient<Channel>,
     open: pb::Open,
 ) -> Result<pb::StreamSetpointsResponse, Rejected> {
-    let first = pb::StreamSetpointsRequest { message: Some(Message::Open(open)) };
+    let first = pb::StreamSetpointsRequest { message: Some(Message::Open(Box::new(open))) };
     // The axis says nothing more, and keeps its side open.
     let requests = tokio_stream::StreamExt::chain(tokio_stream::once(first), tokio_stream::pending());
     let refused = |status: &tonic::Status| {

@@ -265,7 +265,7 @@ fn corpus() {
     let opened = pb::Opened { motion: Some(motion), first_cycle: 1, served_by: "a".into(), current_epoch: 1 };
     let opened = pb::StreamSetpointsResponse {
         epoch: 1,
-        message: Some(pb::stream_setpoints_response::Message::Opened(opened)),
+        message: Some(pb::stream_setpoints_response::Message::Opened(Box::new(opened))),
     };
     write("to_axis", "opened", &opened.encode_to_vec());
     let columns = pb::SetpointColumns {

@@ -20,7 +20,7 @@ use std::time::Duration;
 
 use planner::CycleTime;
 use proto::stream::{
-    Batch, FromAxis, Open, Opened, Operation, OperationRefusal, OperationResult, Report, Source, StreamEvent,
+    Batch, FromAxis, Motion, Open, Operation, OperationRefusal, OperationResult, Report, Source, StreamEvent,
     StreamEventKind, ToAxis,
 };
 use proto::{Digest, Reason, Rejected};
@@ -79,7 +79,7 @@ pub enum Feed {
 #[derive(Clone, Debug, PartialEq)]
 pub enum News {
     /// The stream is open.
-    Opened(Box<Opened>),
+    Opened(Box<Begun>),
     /// Something happened to it.
     Event(StreamEvent),
     /// What became of an operation, by its id.
@@ -88,6 +88,15 @@ pub enum News {
     FailedOver(Change),
     /// Nothing more will come.
     Over(Result<(), Failure>),
+}
+
+/// What a stream begins with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Begun {
+    /// What will be played.
+    pub motion: Motion,
+    /// Who serves.
+    pub served_by: String,
 }
 
 /// Why a stream is not open any more, or was never opened.

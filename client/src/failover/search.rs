@@ -7,7 +7,7 @@ use proto::Reason;
 use proto::stream::Opened;
 use tonic::Code;
 
-use super::{Action, Cause, Change, Failover, Failure, Feed, News, Serving};
+use super::{Action, Begun, Cause, Change, Failover, Failure, Feed, News, Serving};
 use crate::{Error, Record, Revision};
 
 /// What is done about it.
@@ -298,12 +298,20 @@ impl Failover {
         let Some(errand) = self.search.errand() else { return };
         let serving = Serving { epoch, endpoint, served_by: opened.served_by.clone(), is_there: true };
         let Some(record) = &self.record else {
-            self.record = Some(Record::opened(opened.motion.clone()));
+            let Some(motion) = opened.motion else {
+                self.drop_line(epoch);
+                let text = "the stream was opened without a motion";
+                return self.failed(now, epoch, endpoint, Error::Protocol(text.into()));
+            };
+            self.record = Some(Record::opened(motion.clone()));
+            let served_by = serving.served_by.clone();
             self.goes_on_with(now, serving);
-            self.tell(News::Opened(Box::new(opened)));
+            self.tell(News::Opened(Box::new(Begun { motion, served_by })));
             return self.ask_everything();
         };
-        if opened.current_epoch != epoch || opened.motion.revision() != record.motion().revision() {
+        // It may be left out, since it was given.
+        let is_other = opened.motion.is_some_and(|motion| motion.revision() != record.motion().revision());
+        if opened.current_epoch != epoch || is_other {
             self.drop_line(epoch);
             let text = "the stream that was opened is not the one that was asked for";
             return self.failed(now, epoch, endpoint, Error::Protocol(text.into()));

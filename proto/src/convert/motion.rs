@@ -1,11 +1,11 @@
 //! A motion under way.
 
 use planner::motion::{InvalidMotion, MotionParts, Override};
-use planner::{Accepted, Family, Field, InvalidFields, Plan, Quantity, TimeLaw, Why};
+use planner::{Accepted, Family, Field, InvalidFields, Judged, Plan, Quantity, TimeLaw, Why};
 
 use super::choice::{phase_from_wire, phase_to_wire};
 use super::field::missing;
-use super::plan::{segment_from_wire, segment_to_wire};
+use super::plan::{plan_unexplained, segment_from_wire, segment_to_wire};
 use super::{accepted, plan_as_it_is_in, plan_to_wire, within};
 use crate::stream::{Motion, OperationResult, RECENT_RESULTS};
 use crate::{Digest, Reason, Rejected, pb};
@@ -46,6 +46,15 @@ pub(super) fn motion_from_wire(wire: Option<pb::Motion>) -> Result<Motion, Rejec
 }
 
 pub(super) fn motion_to_wire(motion: &Motion) -> pb::Motion {
+    motion_with(motion, plan_to_wire)
+}
+
+/// For a server that judges it anew: without what follows from the rest of its plans.
+pub(super) fn motion_unexplained(motion: &Motion) -> pb::Motion {
+    motion_with(motion, plan_unexplained)
+}
+
+fn motion_with(motion: &Motion, plan_to_wire: fn(&Judged) -> pb::Plan) -> pb::Motion {
     let Motion { under_way, digest_before, recent } = motion;
     pb::Motion {
         revision: under_way.revision(),

@@ -4,7 +4,7 @@ use planner::{Field, InvalidField, InvalidFields, LAST_CYCLE, Profile, State, Wh
 
 use super::choice::{event_from_wire, event_to_wire};
 use super::field::missing;
-use super::motion::{motion_from_wire, motion_to_wire};
+use super::motion::{motion_from_wire, motion_to_wire, motion_unexplained};
 use super::plan::{segment_from_wire, segment_to_wire};
 use super::{accepted_in, plan_to_wire, within};
 use crate::stream::{
@@ -23,7 +23,7 @@ use pb::stream_setpoints_response::Message as Response;
 pub fn request_from_wire(wire: pb::StreamSetpointsRequest) -> Result<FromAxis, Rejected> {
     let pb::StreamSetpointsRequest { message } = wire;
     match message {
-        Some(Request::Open(open)) => open_from_wire(open).map(|open| FromAxis::Open(Box::new(open))),
+        Some(Request::Open(open)) => open_from_wire(*open).map(|open| FromAxis::Open(Box::new(open))),
         Some(Request::Report(report)) => report_from_wire(report).map(FromAxis::Report),
         Some(Request::Operation(operation)) => Ok(FromAxis::Operation(operation.into())),
         None => Err(empty_message("open, report or operation")),
@@ -34,7 +34,7 @@ pub fn request_from_wire(wire: pb::StreamSetpointsRequest) -> Result<FromAxis, R
 #[must_use]
 pub fn request_to_wire(request: &FromAxis) -> pb::StreamSetpointsRequest {
     let message = match request {
-        FromAxis::Open(open) => Request::Open(open_to_wire(open)),
+        FromAxis::Open(open) => Request::Open(Box::new(open_to_wire(open))),
         FromAxis::Report(report) => Request::Report(report_to_wire(report)),
         FromAxis::Operation(operation) => Request::Operation(operation.clone().into()),
     };
@@ -48,8 +48,9 @@ pub fn request_to_wire(request: &FromAxis) -> pb::StreamSetpointsRequest {
 pub fn response_from_wire(wire: pb::StreamSetpointsResponse) -> Result<(u64, ToAxis), Rejected> {
     let pb::StreamSetpointsResponse { epoch, message } = wire;
     let message = match message {
-        Some(Response::Opened(opened)) => ToAxis::Opened(Box::new(opened_from_wire(opened)?)),
-        Some(Response::Revised(pb::MotionRevised { motion, certificate: _ })) => {
+        Some(Response::Opened(opened)) => ToAxis::Opened(Box::new(opened_from_wire(*opened)?)),
+        Some(Response::Revised(revised)) => {
+            let pb::MotionRevised { motion, certificate: _ } = *revised;
             ToAxis::Revised(Box::new(Revised { motion: motion_from_wire(motion)? }))
         }
         Some(Response::Batch(batch)) => ToAxis::Batch(batch_from_wire(batch)?),
@@ -71,13 +72,14 @@ pub fn response_to_wire(epoch: u64, response: ToAxis) -> pb::StreamSetpointsResp
     let message = match response {
         ToAxis::Opened(opened) => {
             let Opened { motion, first_cycle, served_by, current_epoch } = *opened;
-            let motion = Some(motion_to_wire(&motion));
-            Response::Opened(pb::Opened { motion, first_cycle, served_by, current_epoch })
+            let motion = motion.as_ref().map(motion_to_wire);
+            Response::Opened(Box::new(pb::Opened { motion, first_cycle, served_by, current_epoch }))
         }
         ToAxis::Revised(revised) => {
             let Revised { motion } = *revised;
             let certificate = Some(motion.accepted().judged().certificate().into());
-            Response::Revised(pb::MotionRevised { motion: Some(motion_to_wire(&motion)), certificate })
+            let motion = Some(motion_to_wire(&motion));
+            Response::Revised(Box::new(pb::MotionRevised { motion, certificate }))
         }
         ToAxis::Batch(batch) => Response::Batch(batch_to_wire(batch)),
         ToAxis::Event(event) => Response::Event(event.into()),
@@ -198,7 +200,7 @@ fn resume_from_wire(wire: pb::Resume) -> Result<Resume, Rejected> {
 fn resume_to_wire(resume: &Resume) -> pb::Resume {
     let Resume { motion, next_cycle, digest, checkpoint_cycle, checkpoint_digest } = resume;
     pb::Resume {
-        motion: Some(motion_to_wire(motion)),
+        motion: Some(motion_unexplained(motion)),
         next_cycle: *next_cycle,
         digest: u64::from(*digest),
         checkpoint_cycle: *checkpoint_cycle,
@@ -243,7 +245,8 @@ fn open_to_wire(open: &Open) -> pb::Open {
 
 fn opened_from_wire(wire: pb::Opened) -> Result<Opened, Rejected> {
     let pb::Opened { motion, first_cycle, served_by, current_epoch } = wire;
-    Ok(Opened { motion: motion_from_wire(motion)?, first_cycle, served_by, current_epoch })
+    let motion = motion.map(|motion| motion_from_wire(Some(motion))).transpose()?;
+    Ok(Opened { motion, first_cycle, served_by, current_epoch })
 }
 
 impl From<Columns> for pb::SetpointColumns {

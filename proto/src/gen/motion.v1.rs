@@ -1860,7 +1860,7 @@ pub mod stream_setpoints_request {
     pub enum Message {
         /// Begins the session: the first message, exactly once.
         #[prost(message, tag = "1")]
-        Open(super::Open),
+        Open(::prost::alloc::boxed::Box<super::Open>),
         /// How far the axis has got; every batch, and at once when something was refused.
         #[prost(message, tag = "2")]
         Report(super::AxisReport),
@@ -2301,10 +2301,10 @@ pub mod stream_setpoints_response {
     pub enum Message {
         /// The session has begun: the first message, exactly once.
         #[prost(message, tag = "2")]
-        Opened(super::Opened),
+        Opened(::prost::alloc::boxed::Box<super::Opened>),
         /// The motion has a new revision; always ahead of the setpoints that follow from it.
         #[prost(message, tag = "3")]
-        Revised(super::MotionRevised),
+        Revised(::prost::alloc::boxed::Box<super::MotionRevised>),
         /// Setpoints.
         #[prost(message, tag = "4")]
         Batch(super::SetpointBatch),
@@ -2352,7 +2352,7 @@ impl ::prost::Name for OperationRefusal {
 /// The session has begun.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Opened {
-    /// The motion as the server will play it, certified.
+    /// The motion as the server will play it, certified. Unset after a resume: it is the one that was given.
     #[prost(message, optional, tag = "1")]
     pub motion: ::core::option::Option<Motion>,
     /// The first cycle that will be sent.

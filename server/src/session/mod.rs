@@ -39,7 +39,7 @@ mod splice;
 use std::collections::VecDeque;
 
 use proto::stream::{
-    BATCH_CYCLES, Batch, FromAxis, Motion, Open, Opened, OperationResult, Phase, Report, StreamEvent,
+    BATCH_CYCLES, Batch, FromAxis, Motion, Open, Opened, OperationResult, Phase, Report, Source, StreamEvent,
     StreamEventKind, ToAxis,
 };
 use proto::{Reason, Rejected};
@@ -95,11 +95,12 @@ impl Session {
     /// axis does not hold the setpoints that are planned here.
     pub fn open(open: Open, served_by: &str) -> Result<Self, Rejected> {
         let Open { epoch, lead_cycles, batch_cycles, axis_guard, close_at_rest, .. } = open;
+        let begins = matches!(open.source, Source::Plan(_));
         let Opening { branch, credit, first_cycle } = Opening::of(open)?;
-        let motion = branch.motion.clone();
-        let recent = motion.recent.to_vec();
+        let motion = begins.then(|| branch.motion.clone());
+        let recent = branch.motion.recent.to_vec();
         let effective = recent.last().map_or(0, |result| result.effective_cycle);
-        let effective = effective.max(motion.under_way.from_cycle());
+        let effective = effective.max(branch.motion.under_way.from_cycle());
         let opened = Opened { motion, first_cycle, served_by: served_by.into(), current_epoch: epoch };
         let batch_cycles = u64::from(batch_cycles.clamp(*BATCH_CYCLES.start(), *BATCH_CYCLES.end()));
         let mut session = Self {
