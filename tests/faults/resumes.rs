@@ -46,7 +46,8 @@ async fn asked(
 
 fn on_wire(open: Open, change: impl Fn(&mut pb::Open, &mut pb::Resume)) -> pb::Open {
     let wire = proto::request_to_wire(&FromAxis::Open(Box::new(open)));
-    let Some(Message::Open(mut open)) = wire.message else { panic!("an open") };
+    let Some(Message::Open(open)) = wire.message else { panic!("an open") };
+    let mut open = *open;
     let Some(WireSource::Resume(mut resume)) = open.source.take() else { panic!("a resume") };
     change(&mut open, &mut resume);
     open.source = Some(WireSource::Resume(resume));
