@@ -328,6 +328,9 @@ pub(crate) struct TrackArgs {
     /// Follow a plan too that promises no limits, as one through points joined by cubics or quintics.
     #[arg(long)]
     pub(crate) accept_unproved: bool,
+    /// Have the axis evaluate the motion itself, with the same bits: the stream carries no setpoints.
+    #[arg(long)]
+    pub(crate) compact: bool,
     /// Write down the run, for `portamento replay`, Foxglove and PlotJuggler; or its cycles, as a table.
     #[arg(long, value_name = "FILE.mcap|csv", value_parser = recording)]
     pub(crate) record: Option<PathBuf>,

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use proto::stream::{Batch, FARTHEST_CHECKPOINT, Motion, Report, Resume, Tails};
+use proto::stream::{Batch, Columns, FARTHEST_CHECKPOINT, Motion, Report, Resume, Tails};
 use proto::{Digest, Rejected};
 
 /// The motion as the axis has adopted it, and how far it holds it.
@@ -67,6 +67,25 @@ impl Record {
     /// Takes note of a motion that the axis is told of.
     pub fn announce(&mut self, motion: Motion) {
         self.announced = Some(motion);
+    }
+
+    /// Makes of a bare batch one with setpoints and way to rest, by the motion that it follows from. What is of no motion, or not within it,
+    /// stays as it is, and no axis takes that.
+    pub(crate) fn evaluate(&self, batch: &mut Batch) {
+        if !batch.columns.is_bare() {
+            return;
+        }
+        let motions = [Some(&self.motion), self.announced.as_ref()];
+        let of_it = motions.into_iter().flatten().find(|motion| motion.revision() == batch.revision);
+        let (first, last) = (batch.first_cycle, batch.last_cycle());
+        let Some(motion) = of_it.filter(|motion| first > motion.under_way.from_cycle().saturating_sub(1))
+        else {
+            return;
+        };
+        // Where there is no way to rest, that is why no axis takes the batch.
+        batch.tails = motion.tails(last).unwrap_or_default();
+        batch.columns =
+            Columns::of_plan(motion.plan(), motion.plan_cycle(first)..motion.plan_cycle(last) + 1);
     }
 
     /// Takes note of a batch that the axis is given.

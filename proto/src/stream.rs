@@ -65,6 +65,8 @@ pub struct Open {
     pub accept_unproved: bool,
     /// The last cycle given to the servo; 0 for a new stream.
     pub executed_cycle: u64,
+    /// Does the axis evaluate the motion itself, so that batches come [bare](Columns::bare)?
+    pub compact: bool,
     /// What is to be played.
     pub source: Source,
 }
@@ -220,6 +222,18 @@ impl Columns {
     pub fn with_capacity(cycles: usize, axes: usize) -> Self {
         let column = || Vec::with_capacity(cycles * axes);
         Self { cycles, position: column(), velocity: column(), acceleration: column(), jerk: column() }
+    }
+
+    /// No setpoints, but how many cycles there would be: those of a compact stream, for the axis to evaluate.
+    #[must_use]
+    pub fn bare(cycles: usize) -> Self {
+        Self { cycles, ..Self::default() }
+    }
+
+    /// Are there cycles without setpoints?
+    #[must_use]
+    pub fn is_bare(&self) -> bool {
+        self.cycles > 0 && self.position.is_empty()
     }
 
     /// The setpoints of `plan` at its cycles `cycles`.

@@ -155,6 +155,7 @@ fn an_open_comes_back() {
         axis_guard: 2,
         close_at_rest: true,
         accept_unproved: false,
+        compact: true,
         executed_cycle: 0,
         source: Source::Plan(plan.clone()),
     };
@@ -189,6 +190,27 @@ fn a_batch_comes_back_with_its_ways_to_rest() {
         let back = response_from_wire(response_to_wire(4, there.clone())).unwrap();
         assert_eq!(back, (4, there));
     }
+}
+
+#[test]
+fn a_bare_batch_comes_back_unless_it_is_too_long() {
+    let bare = |cycles| {
+        ToAxis::Batch(Batch {
+            first_cycle: 101,
+            revision: 3,
+            replaces: false,
+            last: false,
+            columns: Columns::bare(cycles),
+            digest: Digest::from(9),
+            tails: proto::stream::Tails::default(),
+        })
+    };
+    let wire = response_to_wire(4, bare(20));
+    assert!(prost::Message::encoded_len(&wire) < 32);
+    assert_eq!(response_from_wire(wire).unwrap(), (4, bare(20)));
+    let rejected = response_from_wire(response_to_wire(4, bare(4097))).unwrap_err();
+    let field = rejected.fields[0].field.as_str();
+    assert_eq!((rejected.reason, field), (proto::Reason::ValueOutOfRange, "batch.cycles"), "{rejected}");
 }
 
 /// The wire drops the sign of a zero: a plan from negative zeros has to sample to the same bits on both sides of it.

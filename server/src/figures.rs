@@ -73,7 +73,8 @@ impl Figures {
     /// A message goes out to an axis.
     pub(crate) fn sent(&self, message: &pb::StreamSetpointsResponse) {
         if let Some(Message::Batch(batch)) = &message.message {
-            self.0.setpoints.increment(batch.columns.as_ref().map_or(0, |columns| u64::from(columns.cycles)));
+            let cycles = batch.columns.as_ref().map_or(batch.cycles, |columns| columns.cycles);
+            self.0.setpoints.increment(u64::from(cycles));
         }
     }
 

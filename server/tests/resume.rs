@@ -55,6 +55,7 @@ fn resume(executed: u64, held: u64, checkpoint: u64) -> Open {
         axis_guard: 2,
         close_at_rest: true,
         accept_unproved: false,
+        compact: false,
         executed_cycle: executed,
         source: Source::Resume(Box::new(resume)),
     }

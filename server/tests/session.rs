@@ -48,6 +48,7 @@ fn open(plan: Accepted) -> Open {
         axis_guard: 2,
         close_at_rest: true,
         accept_unproved: false,
+        compact: false,
         executed_cycle: 0,
         source: Source::Plan(plan),
     }

@@ -12,6 +12,7 @@ mod bad_fields;
 mod bad_plans;
 mod bad_streams;
 mod browser;
+mod compact;
 mod failover;
 mod families;
 mod injected;

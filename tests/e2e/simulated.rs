@@ -91,8 +91,12 @@ impl Tally {
 
 fn run(seed: u64, axes: usize, faults: Faults, way: Way) -> Tally {
     let plan = planned(move_of(way.distance, 0.25));
-    let opens =
-        (0..axes).map(|axis| Open { lead_cycles: 60, ..open(&format!("cell-7/{axis}"), plan.clone()) });
+    // Every other one evaluates the motion itself.
+    let opens = (0..axes).map(|axis| Open {
+        lead_cycles: 60,
+        compact: axis % 2 == 1,
+        ..open(&format!("cell-7/{axis}"), plan.clone())
+    });
     let mut network = Network::new(opens.collect(), 3, faults, seed);
     for axis in 0..axes {
         for (cycle, id, ask, _) in script() {

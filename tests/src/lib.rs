@@ -233,6 +233,7 @@ pub fn open(stream: &str, plan: Accepted) -> Open {
         axis_guard: 2,
         close_at_rest: true,
         accept_unproved: false,
+        compact: false,
         executed_cycle: 0,
         source: Source::Plan(plan),
     }

@@ -122,6 +122,7 @@ impl Axis {
             close_at_rest: true,
             accept_unproved: false,
             executed_cycle: 0,
+            compact: false,
             source: Source::Plan(plan.clone()),
         };
         let (lead_cycles, axis_guard, cycle) = (open.lead_cycles, open.axis_guard, plan.plan().cycle_time());

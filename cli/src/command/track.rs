@@ -26,6 +26,7 @@ pub(crate) fn run(args: &TrackArgs, server: Server<'_>, screen: &mut Screen<'_>)
         settle_window: args.settle_window.map_or(DEFAULT_SETTLE_WINDOW, |ns| ns as f64 / 1e9),
         settle_tolerance: args.settle_tolerance,
         accept_unproved: args.accept_unproved,
+        compact: args.compact,
         ..TrackRequest::new(args.stream.clone(), String::new(), plan)
     };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();

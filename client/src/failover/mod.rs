@@ -323,9 +323,10 @@ impl Failover {
                 }
                 self.feed(Feed::Revised(epoch, revision));
             }
-            ToAxis::Batch(batch) => {
+            ToAxis::Batch(mut batch) => {
                 (self.fed_at, self.fed_to) = (now, batch.last_cycle());
                 if let Some(record) = &mut self.record {
+                    record.evaluate(&mut batch);
                     record.carry(&batch);
                 }
                 self.feed(Feed::Batch(epoch, batch));

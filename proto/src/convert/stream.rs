@@ -9,8 +9,8 @@ use super::plan::{segment_from_wire, segment_to_wire};
 use super::{accepted_in, plan_to_wire, within};
 use crate::stream::{
     BATCH_CYCLES, Batch, Columns, Counters, DEFAULT_AXIS_GUARD, DEFAULT_BATCH_CYCLES, DEFAULT_LEAD_CYCLES,
-    FARTHEST_CHECKPOINT, FromAxis, LEAD_CYCLES, Open, Opened, OperationRefusal, RefusalReason, Refused,
-    Report, Resume, Revised, Source, StreamEvent, Tails, ToAxis, Tracking,
+    FARTHEST_AHEAD, FARTHEST_CHECKPOINT, FromAxis, LEAD_CYCLES, Open, Opened, OperationRefusal,
+    RefusalReason, Refused, Report, Resume, Revised, Source, StreamEvent, Tails, ToAxis, Tracking,
 };
 use crate::{Digest, FieldViolation, Reason, Rejected, pb};
 use pb::stream_setpoints_request::Message as Request;
@@ -109,6 +109,7 @@ fn open_from_wire(wire: pb::Open) -> Result<Open, Rejected> {
         close_at_rest,
         accept_unproved,
         executed_cycle,
+        compact,
         source,
     } = wire;
     let or = |given, default| if given == 0 { default } else { given };
@@ -152,6 +153,7 @@ fn open_from_wire(wire: pb::Open) -> Result<Open, Rejected> {
         close_at_rest,
         accept_unproved,
         executed_cycle,
+        compact,
         source,
     })
 }
@@ -225,6 +227,7 @@ fn open_to_wire(open: &Open) -> pb::Open {
         close_at_rest,
         accept_unproved,
         executed_cycle,
+        compact,
         source,
     } = open;
     pb::Open {
@@ -236,6 +239,7 @@ fn open_to_wire(open: &Open) -> pb::Open {
         close_at_rest: *close_at_rest,
         accept_unproved: *accept_unproved,
         executed_cycle: *executed_cycle,
+        compact: *compact,
         source: Some(match source {
             Source::Plan(plan) => pb::open::Source::Plan(plan_to_wire(plan.judged())),
             Source::Resume(resume) => pb::open::Source::Resume(resume_to_wire(resume)),
@@ -274,13 +278,22 @@ impl TryFrom<pb::SetpointColumns> for Columns {
 }
 
 fn batch_from_wire(wire: pb::SetpointBatch) -> Result<Batch, Rejected> {
-    let pb::SetpointBatch { first_cycle, revision, replaces, last, columns, stop_tails, digest } = wire;
+    let pb::SetpointBatch { first_cycle, revision, replaces, last, columns, stop_tails, digest, cycles } =
+        wire;
+    let columns = match columns {
+        Some(columns) => columns.try_into()?,
+        None if u64::from(cycles) <= FARTHEST_AHEAD => Columns::bare(cycles as usize),
+        None => {
+            let text = format!("is {cycles}: a batch has {FARTHEST_AHEAD} cycles at most");
+            return Err(Rejected::for_field("batch.cycles", Reason::ValueOutOfRange, text));
+        }
+    };
     Ok(Batch {
         first_cycle,
         revision,
         replaces,
         last,
-        columns: columns.unwrap_or_default().try_into()?,
+        columns,
         digest: Digest::from(digest),
         tails: tails_from_wire(stop_tails)?,
     })
@@ -317,12 +330,14 @@ fn tails_to_wire(tails: &Tails) -> Vec<pb::StopTail> {
 
 fn batch_to_wire(batch: Batch) -> pb::SetpointBatch {
     let Batch { first_cycle, revision, replaces, last, columns, digest, tails } = batch;
+    let is_bare = columns.is_bare();
     pb::SetpointBatch {
         first_cycle,
         revision,
         replaces,
         last,
-        columns: Some(columns.into()),
+        cycles: if is_bare { columns.cycles() as u32 } else { 0 },
+        columns: (!is_bare).then(|| columns.into()),
         stop_tails: tails_to_wire(&tails),
         digest: u64::from(digest),
     }

@@ -1910,6 +1910,11 @@ pub struct Open {
     /// The last cycle given to the servo; 0 for a new stream.
     #[prost(uint64, tag = "10")]
     pub executed_cycle: u64,
+    /// The axis evaluates the motion itself: batches come without setpoints and ways to rest, with the
+    /// number of their cycles and the digest that the axis's own setpoints must have. For axes that
+    /// evaluate with the bits of this planner.
+    #[prost(bool, tag = "11")]
+    pub compact: bool,
     /// What to play.
     #[prost(oneof = "open::Source", tags = "8, 9")]
     pub source: ::core::option::Option<open::Source>,
@@ -2410,7 +2415,7 @@ pub struct SetpointBatch {
     /// At rest after this batch; nothing follows.
     #[prost(bool, tag = "4")]
     pub last: bool,
-    /// The setpoints.
+    /// The setpoints. Unset in a compact stream.
     #[prost(message, optional, tag = "5")]
     pub columns: ::core::option::Option<SetpointColumns>,
     /// The jerk-limited stop from the last cycle of this batch, one per axis in plan order: played
@@ -2421,6 +2426,10 @@ pub struct SetpointBatch {
     /// d(last cycle of this batch).
     #[prost(fixed64, tag = "7")]
     pub digest: u64,
+    /// How many cycles there are, 1 .. 4096, in a compact stream: the setpoints are those of the motion
+    /// of this revision, and the ways to rest are the fastest. Elsewhere 0; columns say it.
+    #[prost(uint32, tag = "8")]
+    pub cycles: u32,
 }
 impl ::prost::Name for SetpointBatch {
     const NAME: &'static str = "SetpointBatch";
@@ -3477,6 +3486,9 @@ pub struct RunTrackingRequest {
     /// STREAM_BROKEN, 0 .. 3600 s; the axis rests by then. Unset: 10 s.
     #[prost(message, optional, tag = "11")]
     pub patience: ::core::option::Option<::prost_types::Duration>,
+    /// The axis evaluates the motion itself, with the same bits, and the stream carries no setpoints.
+    #[prost(bool, tag = "12")]
+    pub compact: bool,
 }
 impl ::prost::Name for RunTrackingRequest {
     const NAME: &'static str = "RunTrackingRequest";

@@ -1,6 +1,6 @@
 use std::ops::RangeInclusive;
 
-use proto::stream::{Batch, Columns, Motion, Phase};
+use proto::stream::{Batch, Columns, Motion, Phase, Tails};
 use proto::{Digest, Rejected};
 
 use super::ledger::Ledger;
@@ -66,15 +66,17 @@ impl Branch {
         self.floor = self.floor.max(cycle);
     }
 
-    /// The setpoints of `cycles`, with the way to rest from the last of them.
+    /// The setpoints of `cycles`, with the way to rest from the last of them; of a compact stream only their digest.
     pub(super) fn batch(
         &mut self,
         cycles: RangeInclusive<u64>,
         replaces: bool,
         last: bool,
+        compact: bool,
     ) -> Result<Batch, Rejected> {
         let (first_cycle, last_cycle) = cycles.into_inner();
-        let tails = self.motion.tails(last_cycle)?;
+        // The axis finds the same, and judges it.
+        let tails = if compact { Tails::default() } else { self.motion.tails(last_cycle)? };
         // What was sent from there on, as this or as another branch, is replaced, or was not taken.
         self.ledger.forget_after(first_cycle - 1);
         let before = self.ledger.digest_at(first_cycle - 1, &self.motion);
@@ -82,6 +84,7 @@ impl Branch {
         let columns = Columns::of_plan(self.motion.plan(), of_plan);
         let digest = columns.digests(first_cycle, before).last().unwrap_or(before);
         self.ledger.note(last_cycle, digest);
+        let columns = if compact { Columns::bare(columns.cycles()) } else { columns };
         Ok(Batch { first_cycle, revision: self.revision(), replaces, last, columns, digest, tails })
     }
 

@@ -70,6 +70,8 @@ pub struct Session {
     /// When the last of them took effect, which may be still to come: nothing is done before it.
     effective: u64,
     close_at_rest: bool,
+    /// The axis evaluates the motion itself.
+    compact: bool,
     batch_cycles: u64,
     credit: Credit,
     pace: Pace,
@@ -94,7 +96,7 @@ impl Session {
     /// executed something of a new plan. Of a motion under way, [`Reason::ResumePastEnd`], and [`Reason::DigestMismatch`] where the
     /// axis does not hold the setpoints that are planned here.
     pub fn open(open: Open, served_by: &str) -> Result<Self, Rejected> {
-        let Open { epoch, lead_cycles, batch_cycles, axis_guard, close_at_rest, .. } = open;
+        let Open { epoch, lead_cycles, batch_cycles, axis_guard, close_at_rest, compact, .. } = open;
         let begins = matches!(open.source, Source::Plan(_));
         let Opening { branch, credit, first_cycle } = Opening::of(open)?;
         let motion = begins.then(|| branch.motion.clone());
@@ -110,6 +112,7 @@ impl Session {
             recent,
             effective,
             close_at_rest,
+            compact,
             batch_cycles,
             credit,
             pace: Pace::new(u64::from(axis_guard), batch_cycles.min(u64::from(lead_cycles))),
@@ -367,7 +370,7 @@ impl Session {
         };
         let last = branch.end(close_at_rest) == Some(*cycles.end());
         self.pace.sent(*cycles.end(), executed);
-        let batch = branch.batch(cycles, replaces, last);
+        let batch = branch.batch(cycles, replaces, last, self.compact);
         self.advance();
         Some(batch)
     }

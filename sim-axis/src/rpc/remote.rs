@@ -133,6 +133,7 @@ fn to_wire(request: TrackRequest) -> pb::RunTrackingRequest {
         settle_tolerance,
         stay_open,
         accept_unproved,
+        compact,
         patience,
         // How this side is connected to is no matter of the other's.
         connect: _,
@@ -152,6 +153,7 @@ fn to_wire(request: TrackRequest) -> pb::RunTrackingRequest {
         settle_tolerance: settle_tolerance.unwrap_or_default(),
         stay_open,
         accept_unproved,
+        compact,
         patience: Some(duration(i64::try_from(patience.as_nanos()).unwrap_or(i64::MAX))),
     }
 }

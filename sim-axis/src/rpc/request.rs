@@ -65,6 +65,7 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
         stay_open,
         accept_unproved,
         patience,
+        compact,
     } = wire;
     let mut faults = Faults::default();
     if let Some(why) = wrong_name(&stream) {
@@ -121,6 +122,7 @@ pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Resul
         settle_tolerance: (settle_tolerance > 0.0).then_some(settle_tolerance),
         stay_open,
         accept_unproved,
+        compact,
         patience: Duration::from_secs_f64(patience),
         connect: Connect::new(),
         faults: None,

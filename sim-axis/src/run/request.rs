@@ -36,6 +36,8 @@ pub struct TrackRequest {
     pub stay_open: bool,
     /// Take a plan that does not guarantee velocity and acceleration?
     pub accept_unproved: bool,
+    /// Evaluate the motion here, with the same bits, so that the stream carries no setpoints?
+    pub compact: bool,
     /// How long a planner that goes on is looked for, once there is none.
     pub patience: Duration,
     /// How planners are connected to.
@@ -76,6 +78,7 @@ impl TrackRequest {
             settle_tolerance: None,
             stay_open: false,
             accept_unproved: false,
+            compact: false,
             patience: DEFAULT_PATIENCE,
             connect: Connect::new(),
             faults: None,
@@ -122,6 +125,7 @@ pub(super) fn open_of(request: &TrackRequest) -> Open {
         close_at_rest: !request.stay_open,
         accept_unproved: request.accept_unproved,
         executed_cycle: 0,
+        compact: request.compact,
         source: Source::Plan(request.plan.clone()),
     }
 }

@@ -43,6 +43,9 @@ struct Args {
     /// Axes that share a connection to a server and a beat of reports, as those of one gateway may.
     #[arg(long, default_value_t = 1, value_name = "COUNT")]
     sharing: usize,
+    /// Have the axes evaluate their motion themselves: streams carry no setpoints.
+    #[arg(long)]
+    compact: bool,
     /// Kill no server.
     #[arg(long)]
     no_kill: bool,
@@ -57,7 +60,7 @@ fn main() -> ExitCode {
     let args = Args::parse();
     if !args.json {
         println!(
-            "{:>6} {:>12} {:>10} {:>10} {:>9} {:>9} {:>9} {:>12} {:>10} {:>10}",
+            "{:>6} {:>12} {:>10} {:>10} {:>9} {:>9} {:>9} {:>12} {:>10} {:>10} {:>11}",
             "axes",
             "setpoints/s",
             "underruns",
@@ -67,7 +70,8 @@ fn main() -> ExitCode {
             "max [ms]",
             "server [CPU]",
             "axes [CPU]",
-            "KiB/stream"
+            "KiB/stream",
+            "B/setpoint"
         );
     }
     let mut rows = Vec::new();
@@ -98,7 +102,7 @@ fn main() -> ExitCode {
 fn print_row(row: &Value) {
     let number = |key: &str| row[key].as_f64().unwrap_or(f64::NAN);
     println!(
-        "{:>6} {:>12.0} {:>10} {:>10} {:>9} {:>9.2} {:>9.2} {:>12.2} {:>10.2} {:>10.1}",
+        "{:>6} {:>12.0} {:>10} {:>10} {:>9} {:>9.2} {:>9.2} {:>12.2} {:>10.2} {:>10.1} {:>11.1}",
         number("axes"),
         number("setpointsPerSecond"),
         number("underruns"),
@@ -108,7 +112,8 @@ fn print_row(row: &Value) {
         number("failoverMaxMs"),
         number("serverCpu"),
         number("axesCpu"),
-        number("kibPerStream")
+        number("kibPerStream"),
+        number("bytesPerSetpoint")
     );
     if row["operations"] != 0 {
         println!(
@@ -158,6 +163,7 @@ fn run(args: &Args, axes: usize) -> Result<Value, Failed> {
             let open = Open {
                 batch_cycles: args.batch,
                 lead_cycles: args.lead,
+                compact: args.compact,
                 ..open(&format!("load/{axis_number}"), plan.clone())
             };
             let axis = Axis {
@@ -194,8 +200,11 @@ fn run(args: &Args, axes: usize) -> Result<Value, Failed> {
             cpu(second.child.id())?,
             cpu(std::process::id())?,
         );
+        let bytes = loopback_bytes()?;
         wait(Duration::from_secs(args.seconds) / 2).await;
         let half = (began.elapsed().as_secs_f64(), cpu(first.child.id())? - before.1);
+        let sent = (loopback_bytes()? - bytes) as f64;
+        let bytes_per_setpoint = sent / (tally.played.load(Ordering::Relaxed) - before.0) as f64;
         if !args.no_kill {
             first.child.kill()?;
         }
@@ -222,6 +231,8 @@ fn run(args: &Args, axes: usize) -> Result<Value, Failed> {
             "axes": axes,
             "seconds": took,
             "batchCycles": args.batch,
+            "compact": args.compact,
+            "bytesPerSetpoint": bytes_per_setpoint,
             "leadCycles": args.lead,
             "setpointsPerSecond": played as f64 / took,
             "underruns": tally.underruns.load(Ordering::Relaxed),
@@ -435,6 +446,14 @@ fn beat(zero: tokio::time::Instant, period: Duration) -> tokio::time::Interval {
 
 fn served_by(name: &str) -> Result<Process, Failed> {
     Process::server(&["--served-by", name])
+}
+
+/// What has gone over the loopback interface, both ways and with all headers [bytes].
+fn loopback_bytes() -> Result<u64, Failed> {
+    let table = std::fs::read_to_string("/proc/net/dev")?;
+    let line =
+        table.lines().find_map(|line| line.trim_start().strip_prefix("lo:")).ok_or("there is no lo")?;
+    Ok(line.split_whitespace().next().unwrap_or_default().parse()?)
 }
 
 /// Memory that a process has in use [KiB].
