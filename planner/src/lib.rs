@@ -168,6 +168,7 @@ pub use profile::{Cursor, Profile};
 pub use pvt::{
     PvtAxis, PvtAxisSpec, PvtInterpolation, PvtMethod, PvtMove, PvtOffers, PvtPlan, PvtPlanner,
     PvtPointReport, PvtPolicy, PvtRegion, PvtRequest, PvtRequestSpec, PvtTarget, plan_pvt, plan_pvt_by,
+    wrong_time,
 };
 pub use quantity::Quantity;
 pub use request::{
