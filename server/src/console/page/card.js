@@ -36,6 +36,7 @@ export class Card {
     element.setAttribute("aria-label", `Stream ${name}`);
     element.querySelector(".name").textContent = name;
     element.querySelector(".name").title = name;
+    element.dataset.stream = name;
     this.canvas = element.querySelector("canvas");
     this.canvas.setAttribute("aria-label", `${name}: position commanded and measured, and following error`);
     this.pen = new CanvasPen(this.canvas);
@@ -65,9 +66,10 @@ export class Card {
     });
   }
 
-  /** Into the page, and out of it. */
+  /** Into the page, where its name belongs, and out of it. */
   join(holder) {
-    holder.append(this.element);
+    const after = [...holder.children].find(({ dataset }) => dataset.stream.localeCompare(this.name, undefined, { numeric: true }) > 0);
+    holder.insertBefore(this.element, after ?? null);
     sight.observe(this.element);
   }
   leave() {
@@ -75,6 +77,7 @@ export class Card {
     this.element.remove();
   }
 
+  get large() { return this.element.classList.contains("large"); }
   enlarge() { this.element.classList.toggle("large"); }
 
   /** Asks for an operation, and says what became of it. */
@@ -197,7 +200,7 @@ export class Card {
       this.numbers();
     }
     if (!seen || !this.history?.length || !this.canvas.clientWidth) return;
-    const { history } = this, large = this.element.classList.contains("large"), last = history.last("time");
+    const { history } = this, { large } = this, last = history.last("time");
     const to = this.over ? last : Math.min(last, (now + this.offset) / 1000 - BEHIND), from = Math.max(history.at("time", history.oldest), to - WINDOW);
     if (to === this.drawn && !large) return;
     this.drawn = to;

@@ -55,8 +55,9 @@ export function live() {
     if (!present.size && !state.textContent) nothing();
     for (const name of present.keys()) {
       if (!cards.has(name) || cards.get(name).over) {
-        cards.get(name)?.leave();
-        const card = new Card(name);
+        const before = cards.get(name), card = new Card(name);
+        before?.leave();
+        if (before?.large) card.enlarge();
         cards.set(name, card);
         card.join(holder);
       }
