@@ -14,7 +14,7 @@ mod replay;
 mod value;
 mod watch;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ColorChoice, Parser, Subcommand};
 use client::Connect;
@@ -56,10 +56,10 @@ Examples:
       --max-jerk 100 --plot move.png --output move.json
   portamento pvt --points points.csv --max-velocity 0.5 \\
       --max-acceleration 4 --max-jerk 160 --plot points.svg
-  portamento verify --plan move.json
+  portamento verify move.json
   portamento diff move.json other.json
-  portamento sample --plan move.json --output move.csv
-  portamento track --plan move.json --endpoint http://127.0.0.1:50052
+  portamento sample move.json --output move.csv
+  portamento track move.json --endpoint http://127.0.0.1:50052
   portamento command hold --axis http://127.0.0.1:50052
   portamento watch
   portamento replay run.mcap
@@ -223,11 +223,14 @@ pub(crate) struct PlanArgs {
 ///
 /// The exit code is 1 where the plan does not pass.
 #[derive(Debug, Args)]
-#[command(after_help = "\
+#[command(
+    override_usage = "portamento verify <PLAN.json> [OPTIONS]",
+    after_help = "\
 Examples:
-  portamento verify --plan move.json
-  portamento verify --plan move.json --against request.json
-  portamento plan --request request.json --json | portamento verify --plan -")]
+  portamento verify move.json
+  portamento verify move.json --against request.json
+  portamento plan --request request.json --json | portamento verify -"
+)]
 pub(crate) struct VerifyArgs {
     #[command(flatten)]
     pub(crate) source: PlanSource,
@@ -243,11 +246,14 @@ pub(crate) struct VerifyArgs {
 /// last cycle goes to standard error; it is the one that an axis reports for the same setpoints.
 /// A plan that does not pass the judge is refused.
 #[derive(Debug, Args)]
-#[command(after_help = "\
+#[command(
+    override_usage = "portamento sample <PLAN.json> [OPTIONS]",
+    after_help = "\
 Examples:
-  portamento sample --plan move.json --output move.csv
-  portamento sample --plan move.json --first-cycle 100 --cycles 50
-  portamento sample --plan move.json --json | head -1")]
+  portamento sample move.json --output move.csv
+  portamento sample move.json --first-cycle 100 --cycles 50
+  portamento sample move.json --json | head -1"
+)]
 pub(crate) struct SampleArgs {
     #[command(flatten)]
     pub(crate) source: PlanSource,
@@ -266,14 +272,26 @@ pub(crate) struct SampleArgs {
 #[derive(Debug, Args)]
 pub(crate) struct PlanSource {
     /// The plan: a Plan (from plan --output) or a PlanResponse (from plan --json), in JSON; '-' reads standard input.
-    #[arg(long, value_name = "FILE.json")]
-    pub(crate) plan: PathBuf,
+    #[arg(value_name = "PLAN.json", required_unless_present = "plan")]
+    file: Option<PathBuf>,
+    /// The same.
+    #[arg(long, value_name = "PLAN.json", conflicts_with = "file")]
+    plan: Option<PathBuf>,
 }
 
-/// Watch a move: a server, an axis with a spring in it and a move of 50 mm, all in this process.
+impl PlanSource {
+    /// Where it is read from.
+    pub(crate) fn path(&self) -> &Path {
+        let path = self.file.as_ref().or(self.plan.as_ref());
+        // Clap wants one of them.
+        path.map_or(Path::new("-"), PathBuf::as_path)
+    }
+}
+
+/// Watch a move: two servers, an axis with a spring in it and a move of 50 mm, all in this process.
 ///
 /// The plan goes over gRPC to the axis, which plays it in real time at one setpoint a millisecond from its own buffer.
-/// On its way the move is slowed to half, held and resumed. Prints the plan, the operations and how the axis followed,
+/// While the axis speeds up its server is killed, and the other one goes on; then the move is slowed to half, held and resumed. Prints the plan, the operations and how the axis followed,
 /// draws it, and compares families on the same move.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -298,12 +316,15 @@ pub(crate) struct DemoArgs {
 /// The axis opens a stream at a planner, plays the plan from its own buffer and reports: following error, overshoot,
 /// settling, residual vibration, and how the stream went.
 #[derive(Debug, Args)]
-#[command(after_help = "\
+#[command(
+    override_usage = "portamento track <PLAN.json> [OPTIONS]",
+    after_help = "\
 Examples:
   portamento-server & portamento-sim-axis &
-  portamento track --plan move.json --endpoint http://127.0.0.1:50052
-  portamento track --plan move.json --endpoint http://127.0.0.1:50052 \\
-      --planner http://10.0.0.7:50051 --virtual-time --plot track.svg")]
+  portamento track move.json
+  portamento track move.json --endpoint http://127.0.0.1:50052 \\
+      --planner http://10.0.0.7:50051 --virtual-time --plot track.svg"
+)]
 pub(crate) struct TrackArgs {
     #[command(flatten)]
     pub(crate) source: PlanSource,
@@ -352,8 +373,16 @@ pub(crate) struct ExplainArgs {
 }
 
 fn reason(name: &str) -> Result<Reason, String> {
-    let parsed = name.to_ascii_uppercase().parse();
-    parsed.map_err(|error: proto::UnknownReason| format!("{error}; `portamento explain` lists them"))
+    // As it stands in an error, or as flags are written.
+    let upper = name.to_ascii_uppercase().replace('-', "_");
+    let unknown = |error: proto::UnknownReason| {
+        let closest = Reason::ALL.iter().map(|reason| (strsim::jaro(&upper, reason.name()), reason.name()));
+        match closest.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((likeness, name)) if likeness > 0.75 => format!("{error}; did you mean {name}?"),
+            _ => format!("{error}; `portamento explain` lists them"),
+        }
+    };
+    upper.parse().map_err(unknown)
 }
 
 #[cfg(test)]

@@ -151,7 +151,7 @@ fn colours_are_for_terminals() {
 
 #[test]
 fn exit_codes_tell_why() {
-    let rows: [(&[&str], i32); 17] = [
+    let rows: [(&[&str], i32); 18] = [
         (&["demo", "--endpoint", "http://127.0.0.1:1"], 2),
         (
             &[
@@ -183,6 +183,7 @@ fn exit_codes_tell_why() {
         (&["verify", "--plan", "/nowhere/plan.json"], 2),
         (&["explain", "NO_SUCH_REASON"], 2),
         (&["explain", "path_too_short"], 0),
+        (&["explain", "path-too-short"], 0),
         (&["explain"], 0),
     ];
     for (args, code) in rows {

@@ -97,9 +97,14 @@ fn programs() -> PathBuf {
 fn every_command_on_every_page_runs() {
     let programs = programs();
     let path = format!("{}:{}", programs.display(), std::env::var("PATH").unwrap());
-    for page in pages() {
+    let mut all = pages();
+    all.push(root().join("README.md"));
+    for page in all {
         let text = std::fs::read_to_string(&page).unwrap();
-        let blocks = blocks(&text);
+        let mut blocks = blocks(&text);
+        if page.ends_with("README.md") && page.parent() == Some(&root()) {
+            blocks.iter_mut().for_each(|block| block.text = from_a_checkout(&block.text));
+        }
         let runs: Vec<&Block> = blocks.iter().filter(|block| block.kind == "sh").collect();
         if runs.is_empty() {
             continue;
@@ -108,13 +113,15 @@ fn every_command_on_every_page_runs() {
         let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("docs").join(name.replace('/', "_"));
         let _ = std::fs::remove_dir_all(&place);
         std::fs::create_dir_all(&place).unwrap();
+        std::os::unix::fs::symlink(root().join("planner"), place.join("planner")).unwrap();
         // Programs left in the background end with the page.
         let mut script = "set -eu\ntrap 'kill $(jobs -p) 2>/dev/null || true; wait' EXIT\n".to_owned();
         for block in &runs {
             // What is started in the background has its port before the next command asks.
             let text = block.text.replace("portamento-server &", "portamento-server & ready 50051");
             let text = text.replace("--http 127.0.0.1:8080 &", "--http 127.0.0.1:8080 & ready 50051");
-            let text = text.replace("--record recordings &", "--record recordings & ready 50051");
+            let text = text.replace("--record first &", "--record first & ready 50051");
+            let text = text.replace("--record second &", "--record second & ready 50053");
             let text = text.replace("--listen 127.0.0.1:50053 &", "--listen 127.0.0.1:50053 & ready 50053");
             let text = text.replace("portamento-sim-axis &", "portamento-sim-axis & ready 50052");
             writeln!(script, "{text}\necho '{MARK}'").unwrap();
@@ -145,6 +152,16 @@ fn every_command_on_every_page_runs() {
         }
         figures(&page, &text, &place);
     }
+}
+
+/// Commands that are called by way of cargo, as this test calls them. What builds, tests or deploys has tests of its own; and what
+/// is to be typed while something else runs is typed so in the tutorial.
+fn from_a_checkout(text: &str) -> String {
+    let text = text.replace("cargo run --release -- ", "portamento ").replace("target/release/", "");
+    let left_out = |line: &str| {
+        line.starts_with("cargo ") || line.starts_with("deploy/") || line.contains("# while it is tracked")
+    };
+    text.lines().filter(|line| !left_out(line)).map(|line| format!("{line}\n")).collect()
 }
 
 /// `…` stands for what differs.

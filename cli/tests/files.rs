@@ -69,6 +69,54 @@ fn a_request_to_begin_with_says_every_field_and_can_be_planned() {
 }
 
 #[test]
+fn a_request_is_asked_for_in_any_order_of_words() {
+    let place = place("order");
+    for (number, words) in
+        [&["a.json"][..], &["a.json", "plan"], &["plan", "a.json"], &["a.json", "pvt"]].iter().enumerate()
+    {
+        let file = place.join(format!("{number}.json"));
+        let words: Vec<&str> =
+            words.iter().map(|word| if *word == "a.json" { text(&file) } else { word }).collect();
+        portamento(&[&["init"], &words[..]].concat(), "").with(0);
+        let command = if words.contains(&"pvt") { "pvt" } else { "plan" };
+        portamento(&[command, "--request", text(&file)], "").with(0);
+    }
+    let unknown = portamento(&["init", "move"], "").with(2).err.replace('\n', " ");
+    assert!(unknown.contains("name plan or pvt, or a file, as move.json"), "{unknown}");
+    portamento(&["init", "a.json", "b.json"], "").with(2);
+    portamento(&["init", "plan", "pvt"], "").with(2);
+    let mistyped = portamento(&["explain", "PATH_TO_SHORT"], "").with(2).err;
+    assert!(
+        mistyped.contains("did you mean PATH_TOO_SHORT?") && mistyped.contains("(exit code 2)"),
+        "{mistyped}"
+    );
+}
+
+#[test]
+fn a_plan_is_named_with_a_flag_or_without() {
+    let file = place("named").join("move.json");
+    let args = [
+        "plan",
+        "--distance",
+        "0.05",
+        "--max-velocity",
+        "0.25",
+        "--max-acceleration",
+        "3",
+        "--max-jerk",
+        "100",
+    ];
+    portamento(&[&args[..], &["--output", text(&file)]].concat(), "").with(0);
+    for command in ["verify", "sample"] {
+        let plainly = portamento(&[command, text(&file)], "").with(0).out;
+        assert_eq!(portamento(&[command, "--plan", text(&file)], "").with(0).out, plainly);
+        portamento(&[command, text(&file), "--plan", text(&file)], "").with(2);
+        let missing = portamento(&[command], "").with(2).err;
+        assert!(missing.contains("PLAN.json"), "{missing}");
+    }
+}
+
+#[test]
 fn what_is_there_is_not_written_over() {
     let file = place("over").join("mine.json");
     std::fs::write(&file, "mine").unwrap();

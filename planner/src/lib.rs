@@ -1,5 +1,10 @@
 //! Jerk-limited motion: from *where is it, where shall it go, what may it do* to a setpoint for every cycle.
 //!
+//! This page is a chapter: what a motion is, how to ask for one, which family to choose, how to read it cycle by cycle, how it is
+//! proved, and what may be done to it under way. Every example runs. [The map](#the-map-in-the-order-in-which-to-read-it) at its end leads on.
+//!
+//! # What a motion is
+//!
 //! An axis that changes its acceleration at once shakes the machine that it moves. So acceleration may only grow as fast
 //! as the jerk limit lets it, and the fastest motion is then made of pieces of constant jerk, at most seven of them:
 //!
@@ -17,11 +22,20 @@
 //! piece           1     2    3     4    5   6   7
 //! ```
 //!
-//! A short path leaves pieces out, and so do speeds at the ends; which ones, and how long the others last, is what
-//! [`plan_move`] solves. [`certify`] then says whether it did: it recomputes from the pieces alone what the motion
-//! reaches, and knows nothing of how they were found.
+//! Within a piece of jerk `j`, `t` seconds after it began in the state `p₀ v₀ a₀`,
 //!
-//! # One axis
+//! ```text
+//! a = a₀ + j·t        v = v₀ + a₀·t + j·t²/2        p = p₀ + v₀·t + a₀·t²/2 + j·t³/6
+//! ```
+//!
+//! A [`State`] is `p v a` at an instant, a [`Segment`] is one piece, and a [`Profile`] is pieces laid end to end, which join in
+//! all three. A short path leaves pieces out, and so do speeds at the ends; which ones, and how long the others last, is what
+//! [`plan_move`] solves. Other [families](#which-family) have pieces of higher degree ([`Law`]).
+//!
+//! # One axis, planned, sampled and judged
+//!
+//! [`Limits`] say what the axis may do, a [`Problem`] where it is and where it is to go. With `V A J` its limits, all of them
+//! reached, a move of length `s` from rest to rest takes `s/V + V/A + A/J`:
 //!
 //! ```
 //! use planner::{CycleTime, Limits, Problem, ShortPathPolicy, State, plan_move, violations};
@@ -31,7 +45,7 @@
 //! let problem = Problem::new(State::at_rest(0.1), State::at_rest(0.5), limits, ShortPathPolicy::Reject)?;
 //! let planned = plan_move(&problem)?;
 //! assert_eq!(planned.segments().len(), 7);
-//! assert!((planned.duration() - 1.15).abs() < 1e-15); // s/v + v/a + a/j
+//! assert!((planned.duration() - 1.15).abs() < 1e-15); // 0.4/0.5 + 0.5/2 + 2/20
 //!
 //! // What a drive is sent every millisecond.
 //! let cycle = CycleTime::MILLISECOND;
@@ -44,6 +58,9 @@
 //! assert_eq!(violations(&planned.to_profile(), problem.limits(), problem.goal()), []);
 //! # Ok::<(), planner::InvalidFields>(())
 //! ```
+//!
+//! The last line asks the *judge*. It recomputes from the pieces alone what the motion reaches, and knows nothing of how they
+//! were found.
 //!
 //! # What cannot be done is refused
 //!
@@ -64,6 +81,154 @@
 //! assert!(matches!(refusal.as_slice()[0].why, Why::PathTooShort { .. }));
 //! # Ok::<(), planner::InvalidFields>(())
 //! ```
+//!
+//! A [`ShortPathPolicy`] says what gives way instead; what was asked, what is planned and why then stands in the plan, as an
+//! [`Adjustment`].
+//!
+//! # Which family
+//!
+//! `d` is a change of speed, `s` a length; all from rest to rest unless it says otherwise.
+//!
+//! | family | when | law, or how long it takes | source |
+//! |---|---|---|---|
+//! | [S-curve](plan_move) | nearly always; between any velocities | a ramp takes `d/A + A/J`, or `2√(d/J)` where `d < A²/J` | Bui, Le and Doan (2021); Blejan and Blejan (2020) |
+//! | asymmetric: the same, with [a deceleration of its own](LimitsSpec::max_deceleration) | an axis that brakes harder than it speeds up, or a load that tips | up with `A`, down with `D` | Li and Chen |
+//! | [any state to any state](plan_between) | on the way already, accelerating already, or beyond its limits | two ramps and a cruise; one unknown, its velocity | our own; held against Berscheid and Kröger (2021) |
+//! | [n-th order](plan_polynomial) | something swings; orders 2 to 8 | the velocity is a box averaged over n − 1 boxes, `T = F₁ + … + Fₙ` | Nguyen, Ng and Chen (2008), section 3 |
+//! | [trigonometric](plan_trigonometric) | as smooth as order 5, without its limits | `j = J/2·(1 − cos 2πt/t_j)`: `A/J` longer than an S-curve | the same, section 5 |
+//! | [trapezoid](plan_trapezoid) | the baseline: its jerk has no limit | `s/V + V/A`, or `2√(s/A)` where `s < V²/A` | Biagiotti and Melchiorri (2008), 3.2 |
+//! | [through points](plan_pvt) | somebody else says where and when | between two extreme motions, by four regions | doi:10.1177/17298814211072418 (2022) |
+//!
+//! The repository's `docs/families/` has a page for each with a figure, and its `notes/` the derivations and the papers' misprints.
+//!
+//! # From any state
+//!
+//! An axis on its way is not at rest. [`plan_between`] gives the fastest motion between any two states, which may go past its goal
+//! and come back; a start beyond its limits is led back first, as fast as can be.
+//!
+//! ```
+//! use planner::{Limits, State, plan_between};
+//!
+//! let limits = Limits::symmetric(0.25, 3.0, 100.0)?;
+//! let now = State { position: 0.0, velocity: 0.2, acceleration: 2.0 };
+//! let back = plan_between(now, State::at_rest(0.01), &limits)?;
+//! assert!(back.at(0.09).state.position > 0.01); // it cannot stop in 10 mm
+//! assert_eq!(back.at(back.duration()).state, State::at_rest(0.01)); // to the last bit
+//! # Ok::<(), planner::InvalidFields>(())
+//! ```
+//!
+//! [`AxisTransfer`] asks for it in a given time, of which [`Arrivals`] says which there are.
+//!
+//! # Several axes
+//!
+//! A [`Request`] has one or more axes over one time base: each as fast as it can, all arriving together, or on a straight line
+//! ([`Synchronization`]). [`Judged::answer`] plans and judges it. An [`Accepted`] plan has passed, and only such a one can be
+//! executed. A [`Sampler`] reads it cycle by cycle:
+//!
+//! ```
+//! use planner::{
+//!     AxisKind, AxisMoveSpec, Family, Judged, LimitsSpec, Request, RequestSpec,
+//!     ShortPathPolicy, State, Synchronization,
+//! };
+//!
+//! let axis = |name: &str, goal: f64| AxisMoveSpec {
+//!     axis: name.into(),
+//!     kind: Ok(AxisKind::Prismatic),
+//!     start: State::at_rest(0.0),
+//!     goal: State::at_rest(goal),
+//!     limits: LimitsSpec {
+//!         max_velocity: 0.5,
+//!         max_acceleration: 2.0,
+//!         max_jerk: 20.0,
+//!         ..LimitsSpec::default()
+//!     },
+//! };
+//! let request = Request::try_from(RequestSpec {
+//!     axes: vec![axis("x", 0.4), axis("y", -0.1)],
+//!     cycle_time_ns: None, // 1 ms
+//!     family: Ok(Family::SCurve),
+//!     order: None,
+//!     short_path: Ok(ShortPathPolicy::Reject),
+//!     synchronization: Ok(Synchronization::Phase), // on a straight line
+//!     minimum_duration: None,
+//!     end_on_cycle: false,
+//! })?;
+//! let judged = Judged::answer(&request)?;
+//! assert!(judged.certificate().passed());
+//! assert_eq!(judged.explanation().critical_axis, "x"); // which holds the other back
+//!
+//! let plan = judged.accepted()?;
+//! let mut sampler = plan.plan().sampler();
+//! for cycle in 0..=plan.plan().cycle_count() {
+//!     let at: Vec<f64> = sampler.at(cycle).map(|setpoint| setpoint.state.position).collect();
+//!     assert!((at[0] + 4.0 * at[1]).abs() < 1e-12); // on the line, in every cycle
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Through points
+//!
+//! Where a camera or a table says *there, so fast, then*, [`PvtPlanner`] takes command by command and [`plan_pvt`] a whole list. Of each
+//! point it tells what could have been reached, and what was not met:
+//!
+//! ```
+//! use planner::{Limits, PvtPlanner, PvtPolicy, PvtTarget, State};
+//!
+//! let limits = Limits::symmetric(0.5, 4.0, 160.0)?;
+//! let mut axis = PvtPlanner::new(State::at_rest(0.0), limits, PvtPolicy::PreferVelocity)?;
+//! let met = axis.command(PvtTarget { position: 0.015, velocity: 0.15, duration: 0.2 })?;
+//! assert!(met.motion().adjustments().is_empty());
+//! assert!(met.least_displacement() < 0.015 && 0.015 < met.greatest_displacement());
+//! # Ok::<(), planner::InvalidFields>(())
+//! ```
+//!
+//! # In a control loop
+//!
+//! [`generator`] is the stepped form: a target whenever there is one, a setpoint every cycle, in `f32` or `f64`, without a heap.
+//! [`grid`] has moves of whole cycles.
+//!
+//! # Under way
+//!
+//! A [`motion::Motion`] is an accepted plan on its way. Hold, resume, override, retarget, append and stop are *splices*: each begins
+//! in the state that the motion has at its cycle, keeps the limits, and has been before the judge.
+//!
+//! ```
+//! use planner::motion::{Motion, Operation, Override};
+//! # use planner::{AxisKind, AxisMoveSpec, Family, Judged, LimitsSpec, Request, RequestSpec, ShortPathPolicy, State, Synchronization};
+//! # let limits = LimitsSpec { max_velocity: 0.5, max_acceleration: 2.0, max_jerk: 20.0, ..LimitsSpec::default() };
+//! # let x = AxisMoveSpec { axis: "x".into(), kind: Ok(AxisKind::Prismatic), start: State::at_rest(0.0), goal: State::at_rest(0.4), limits };
+//! # let request = Request::try_from(RequestSpec {
+//! #     axes: vec![x], cycle_time_ns: None, family: Ok(Family::SCurve), order: None, short_path: Ok(ShortPathPolicy::Reject),
+//! #     synchronization: Ok(Synchronization::None), minimum_duration: None, end_on_cycle: false,
+//! # })?;
+//! let motion = Motion::open(Judged::answer(&request)?.accepted()?)?;
+//! let slower = motion.splice(300, &Operation::Override(Override::new(0.5)?))?.motion;
+//! assert_eq!(slower.state(0, 300), motion.state(0, 300)); // no jump
+//! assert!(slower.last_cycle() > motion.last_cycle());
+//! let held = slower.splice(500, &Operation::Hold)?;
+//! assert_eq!(held.motion.state(0, held.rest_cycle).velocity, 0.0);
+//! let resumed = held.motion.splice(held.rest_cycle, &Operation::Resume)?.motion;
+//! assert_eq!(resumed.state(0, resumed.last_cycle()), State::at_rest(0.4));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What is proved
+//!
+//! [`certify`] shares no code with the solvers. From the pieces alone it takes each quantity's extremes (at the ends of pieces and
+//! the zeros of derivatives inside them, never at samples), how well pieces meet, and how far the end is from the goal. A
+//! [`Certificate`] has every check with its margin. What a plan promises is for its family to say: the trapezoid promises no jerk, a
+//! cubic through points nothing; what is not promised is reported, and fails nothing. A limit is kept to [`LIMIT_TOLERANCE`] of
+//! itself, joins and ends to [`JOIN_TOLERANCE`] of the motion's scale. [`explain`] says which limit held the motion back, and when.
+//!
+//! # The same bits everywhere
+//!
+//! The planner uses `+ − × ÷ √` in a fixed order, and one portable library for every other function. So a problem has the
+//! same answer, bit for bit, on every replica and platform, with `std` and without; a setpoint depends on the plan and the cycle alone,
+//! never on what was asked before. [`EVALUATION_VERSION`] names these bits.
+//!
+//! There is no I/O, no clock, no thread ([`Workers`] may lend some) and no randomness here, and [`plan_move`], [`plan_transfer`],
+//! [`together()`] (into a list with room), [`PvtPlanner::command`], [`Move::at`], [`Cursor::at`] and [`Sampler::columns`] take nothing from
+//! the heap.
 //!
 //! # Notation, units, signs
 //!
@@ -109,9 +274,6 @@
 //! # Features
 //!
 //! - `std` (default): takes square roots in hardware. Without it the crate needs `alloc` alone, and gives the same bits.
-//!
-//! There is no I/O, no clock, no thread ([`Workers`] may lend some) and no randomness here, and [`plan_move`], [`plan_transfer`], [`together()`] (into a list with room), [`PvtPlanner::command`],
-//! [`Move::at`], [`Cursor::at`] and [`Sampler::columns`] take nothing from the heap.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;
@@ -168,6 +330,7 @@ pub use profile::{Cursor, Profile};
 pub use pvt::{
     PvtAxis, PvtAxisSpec, PvtInterpolation, PvtMethod, PvtMove, PvtOffers, PvtPlan, PvtPlanner,
     PvtPointReport, PvtPolicy, PvtRegion, PvtRequest, PvtRequestSpec, PvtTarget, plan_pvt, plan_pvt_by,
+    wrong_time,
 };
 pub use quantity::Quantity;
 pub use request::{

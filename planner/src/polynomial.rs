@@ -144,6 +144,16 @@ impl PolynomialMove {
 /// The fastest symmetric profile of `order` from rest to rest: 2ⁿ − 1 pieces in which the derivative n is at its limit, at
 /// minus its limit, or zero.
 ///
+/// The velocity is a rectangle of time, averaged over n − 1 more of them. With `F₁ ≤ F₂ ≤ … ≤ Fₙ` their lengths \[s\], each at least the
+/// sum of those before it, and `Xₖ` the peak of derivative `k` \[axis units/sᵏ\]:
+///
+/// ```text
+/// Xₖ = Xₙ·F₁·F₂·…·Fₙ₋ₖ        distance = Xₙ·F₁·…·Fₙ        T = F₁ + … + Fₙ
+/// ```
+///
+/// Source: Nguyen, Ng and Chen, *On algorithms for planning S-curve motion profiles* (2008), section 3; in closed recursion in
+/// `notes/0006-n-th-order-and-trigonometric.md`.
+///
 /// Time-optimal for orders 2 and 3. From order 4 on it is optimal within this family, the one of the literature; a profile
 /// without its symmetry can be shorter, at the price of arbitrarily many switches. How much shorter, by linear programmes
 /// that were solved for this project (240 to 900 intervals; the distance, then the limits of velocity, acceleration …):

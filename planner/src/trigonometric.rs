@@ -22,6 +22,11 @@ use crate::{Problem, State};
 ///      │ ╱  ╲___  _________  ___╱  ╲       pulse, hold, pulse, cruise, pulse, hold, pulse
 ///      │        ╲╱         ╲╱
 /// ```
+/// Each pulse, of length `d` \[s\] and peak `J` \[axis units/s³\], is `j(t) = J/2·(1 − cos(2πt/d))`. Its mean is `J/2`, so durations are those
+/// of the S-curve with half the jerk limit.
+///
+/// Source: Nguyen, Ng and Chen (2008), section 5; their appendix has misprints that `notes/0006-n-th-order-and-trigonometric.md` lists.
+///
 /// The fastest of its shape. Where all limits are reached it takes `s/v + v/a + 2a/j`: `a/j` longer than the S-curve.
 ///
 /// The shape treats speeding up and slowing down alike: where the limits differ, it keeps to the smaller one for both.

@@ -26,10 +26,11 @@ mod trace_context;
 mod transcript;
 
 pub use convert::{
-    Against, accepted, accepted_in, against, malformed_duration, misclassified, outcome_from_wire,
-    outcome_to_wire, plan_as_it_is, plan_as_it_is_in, plan_from_wire, plan_in, plan_request_from_wire,
-    plan_to_wire, point_to_wire, pvt_from_wire, pvt_request_from_wire, pvt_to_wire, pvt_to_wire_by,
-    request_from_wire, request_to_wire, response_from_wire, response_to_wire, within,
+    Against, accepted, accepted_in, against, malformed_duration, misclassified, motion_from_wire,
+    motion_to_wire, outcome_from_wire, outcome_to_wire, plan_as_it_is, plan_as_it_is_in, plan_from_wire,
+    plan_in, plan_request_from_wire, plan_to_wire, point_to_wire, pvt_from_wire, pvt_request_from_wire,
+    pvt_to_wire, pvt_to_wire_by, request_from_wire, request_to_wire, response_from_wire, response_to_wire,
+    within,
 };
 pub use detail::Detail;
 pub use digest::{Digest, RaggedColumns};

@@ -12,6 +12,6 @@ mod record;
 mod replay;
 mod table;
 
-pub use read::{Recording, UnreadableRecording};
+pub use read::{Beginning, Recording, UnreadableRecording};
 pub use record::{Head, Measured, Recorder};
 pub use replay::{Difference, Replayed, replay};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use mcap::MessageStream;
 use planner::{Plan, Setpoint, State};
 use prost::Message;
-use proto::stream::{Operation, OperationResult};
+use proto::stream::{Motion, Operation, OperationResult};
 use proto::{Rejected, pb};
 
 /// What a recording holds, as far as it can be played again.
@@ -15,14 +15,34 @@ pub struct Recording {
     pub stream: String,
     /// What was asked of the planner, where that was recorded.
     pub request: Option<pb::PlanRequest>,
-    /// What the stream was opened with.
-    pub plan: Plan,
+    /// What the stream begins with here.
+    pub beginning: Beginning,
     /// The operations that took effect, in order of their revisions.
     pub operations: Vec<(Operation, OperationResult)>,
     /// The setpoints of each cycle that was recorded, axis by axis in plan order.
     pub cycles: BTreeMap<u64, Vec<Setpoint>>,
     /// How many revisions of the motion were adopted, where that was reported.
     pub revisions: Option<u64>,
+}
+
+/// What a recorded stream begins with.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Beginning {
+    /// It was opened with this plan.
+    Plan(Plan),
+    /// Another server had served it until then, and it went on with this motion.
+    Motion(Box<Motion>),
+}
+
+impl Beginning {
+    /// What is played first.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        match self {
+            Self::Plan(plan) => plan,
+            Self::Motion(motion) => motion.plan(),
+        }
+    }
 }
 
 /// Why a file is not a recording that can be played again.
@@ -54,8 +74,8 @@ pub enum UnreadableRecording {
         /// What is wrong.
         cause: String,
     },
-    /// It holds no plan that could be played.
-    #[error("the plan in {path} is refused: {cause}", path = .path.display())]
+    /// It holds no plan or motion that could be played.
+    #[error("what is played in {path} is refused: {cause}", path = .path.display())]
     Plan {
         /// Which.
         path: PathBuf,
@@ -85,7 +105,9 @@ impl Recording {
         found.recording().map_err(|cause| match cause {
             Missing::Plan => UnreadableRecording::NotARecording {
                 path: place(),
-                cause: "it holds no plan; record with --record".to_owned(),
+                cause:
+                    "it holds no plan and no motion, as --record of this version writes: record the run again"
+                        .to_owned(),
             },
             Missing::Good(cause) => UnreadableRecording::Plan { path: place(), cause },
         })
@@ -98,6 +120,7 @@ struct Found {
     head: pb::RecordingHead,
     request: Option<pb::PlanRequest>,
     plan: Option<pb::Plan>,
+    motion: Option<pb::Motion>,
     operations: Vec<pb::RecordedOperation>,
     cycles: BTreeMap<u64, Vec<Setpoint>>,
     report: Option<pb::TrackingReport>,
@@ -114,6 +137,7 @@ impl Found {
             "/head" => self.head = Message::decode(data)?,
             "/request" => self.request = Some(Message::decode(data)?),
             "/plan" => self.plan = Some(Message::decode(data)?),
+            "/motion" => self.motion = Some(Message::decode(data)?),
             "/operations" => self.operations.push(Message::decode(data)?),
             "/report" => self.report = Some(Message::decode(data)?),
             _ => {
@@ -136,9 +160,17 @@ impl Found {
     }
 
     fn recording(self) -> Result<Recording, Missing> {
-        let Self { head, request, plan, operations, cycles, report } = self;
-        let plan = proto::plan_from_wire(plan.ok_or(Missing::Plan)?);
-        let plan = plan.map_err(|rejected| Missing::Good(Box::new(rejected.into())))?;
+        let Self { head, request, plan, motion, operations, cycles, report } = self;
+        let refused = |rejected| Missing::Good(Box::new(rejected));
+        let beginning = match (plan, motion) {
+            (Some(plan), _) => {
+                Beginning::Plan(proto::plan_from_wire(plan).map_err(|invalid| refused(invalid.into()))?)
+            }
+            (None, Some(motion)) => {
+                Beginning::Motion(Box::new(proto::motion_from_wire(motion).map_err(refused)?))
+            }
+            (None, None) => return Err(Missing::Plan),
+        };
         let done =
             operations.into_iter().filter_map(|pb::RecordedOperation { operation, result, .. }| {
                 Some((Operation::from(operation?), OperationResult::from(result?)))
@@ -146,6 +178,6 @@ impl Found {
         let mut operations: Vec<_> = done.collect();
         operations.sort_by_key(|(_, result)| result.revision);
         let revisions = report.and_then(|report| report.stream).map(|stream| stream.revisions);
-        Ok(Recording { stream: head.stream, request, plan, operations, cycles, revisions })
+        Ok(Recording { stream: head.stream, request, beginning, operations, cycles, revisions })
     }
 }

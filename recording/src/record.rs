@@ -3,7 +3,7 @@ use std::io::{self, BufWriter};
 use std::path::Path;
 
 use planner::{CycleTime, Judged, Setpoint};
-use proto::stream::{Columns, Operation, OperationResult, StreamEvent, Tracking};
+use proto::stream::{Columns, Motion, Operation, OperationResult, StreamEvent, Tracking};
 use proto::{Rejected, pb};
 
 use crate::mcap_file::McapFile;
@@ -86,6 +86,15 @@ impl Recorder {
     /// A file that cannot be written.
     pub fn plan(&mut self, judged: &Judged) -> io::Result<()> {
         self.only_mcap(|file| file.write("/plan", 0, &proto::plan_to_wire(judged)))
+    }
+
+    /// What the stream goes on with here, where it began elsewhere: in place of [`plan`](Self::plan).
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn motion(&mut self, motion: &Motion) -> io::Result<()> {
+        let from = motion.under_way.from_cycle();
+        self.only_mcap(|file| file.write("/motion", from, &proto::motion_to_wire(motion)))
     }
 
     /// Consecutive cycles, with how the axes followed and where the loads were, as far as that is known.

@@ -2,13 +2,15 @@ use planner::motion::Motion;
 use planner::{Judged, Plan, Quantity, Setpoint};
 use proto::{Reason, Rejected, plan_request_from_wire, plan_to_wire};
 
-use crate::Recording;
+use crate::{Beginning, Recording};
 
 /// What came of playing a recording again.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replayed {
     /// How many setpoints were compared: one for each axis and cycle.
     pub compared: usize,
+    /// How many setpoints could not be: of cycles before the motion begins that the recording begins with.
+    pub before: usize,
     /// Was the request planned again?
     pub planned: bool,
     /// Where it first differs; `None`: nowhere.
@@ -37,14 +39,15 @@ pub enum Difference {
 }
 
 /// Plans again what was asked, does again what was done to it at the cycles at which it took effect, and compares every
-/// setpoint, bit for bit. Needs neither server nor axis: a setpoint depends on plan, operations and cycle alone.
+/// setpoint, bit for bit. What was taken over from another server is played from the motion that it went on with. Needs neither server nor axis: a setpoint depends on plan, operations and cycle alone.
 ///
 /// # Errors
 /// A plan that the judge rejects, and an operation that is refused now.
 pub fn replay(recording: &Recording) -> Result<Replayed, Rejected> {
-    let Recording { request, plan, operations, cycles, .. } = recording;
-    let mut replayed = Replayed { compared: 0, planned: request.is_some(), difference: None };
-    if let Some(request) = request {
+    let Recording { request, beginning, operations, cycles, .. } = recording;
+    let mut replayed = Replayed { compared: 0, before: 0, planned: false, difference: None };
+    if let (Some(request), Beginning::Plan(plan)) = (request, beginning) {
+        replayed.planned = true;
         let again = Judged::answer(&plan_request_from_wire(request.clone())?)?;
         let prints = [fingerprint(plan), fingerprint(again.plan())];
         if prints[0] != prints[1] {
@@ -53,9 +56,17 @@ pub fn replay(recording: &Recording) -> Result<Replayed, Rejected> {
             return Ok(replayed);
         }
     }
-    let mut motion = Motion::open(proto::accepted("plan", plan.clone())?).map_err(refused)?;
+    let mut motion = match beginning {
+        Beginning::Plan(plan) => Motion::open(proto::accepted("plan", plan.clone())?).map_err(refused)?,
+        Beginning::Motion(motion) => motion.under_way.clone(),
+    };
+    let from = motion.from_cycle();
     let mut done = operations.iter().peekable();
     for (&cycle, recorded) in cycles {
+        if cycle < from {
+            replayed.before += recorded.len();
+            continue;
+        }
         while let Some((operation, result)) = done.next_if(|(_, result)| result.effective_cycle <= cycle) {
             motion = motion.splice(result.effective_cycle, &operation.planned()?).map_err(refused)?.motion;
         }

@@ -8,6 +8,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from feed import Feed
 from playwright.sync_api import sync_playwright
 
 BINARIES = Path(__file__).parents[2] / "target" / "debug"
@@ -57,6 +58,21 @@ def axis():
     axis.stop()
 
 
+@pytest.fixture(scope="session")
+def light_axis():
+    """One that follows exactly: twenty of them fit on a small machine."""
+    axis = Process("portamento-sim-axis", "--listen", "127.0.0.1:0", "--drain-deadline", "1", says=["serving"])
+    yield axis
+    axis.stop()
+
+
+@pytest.fixture
+def feed():
+    feed = Feed(20)
+    yield feed
+    feed.stop()
+
+
 def portamento(*args, **more):
     return subprocess.run([BINARIES / "portamento", *map(str, args)], text=True, capture_output=True, check=True, **more)
 
@@ -66,13 +82,13 @@ def track(server, axis, tmp_path):
     """Has the axis play a move of `distance` m, in the background, under the name given."""
     running = []
 
-    def begin(stream, distance=2.0):
+    def begin(stream, distance=2.0, at=axis):
         plan = tmp_path / f"{len(running)}.json"
         portamento("plan", "--distance", distance, "--max-velocity", 0.25, "--max-acceleration", 3, "--max-jerk", 100,
                    "--output", plan)
         running.append(subprocess.Popen(
             [BINARIES / "portamento", "track", "--plan", plan, "--stream", stream, "--lead", "250", "--endpoint",
-             f"http://{axis.addresses['serving']}", "--planner", f"http://{server.addresses['serving']}"],
+             f"http://{at.addresses['serving']}", "--planner", f"http://{server.addresses['serving']}"],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
 
     yield begin
@@ -93,8 +109,9 @@ def browser():
 def open_console(browser, server):
     """Opens a view, in the scheme and size asked for. Whatever the page complains of fails the test."""
     contexts, complaints = [], []
+    home = f"http://{server.addresses['serving HTTP']}/console/"
 
-    def opened(view="explorer", scheme="light", width=1280, height=900):
+    def opened(view="explorer", scheme="light", width=1280, height=900, at=None):
         context = browser.new_context(color_scheme=scheme, viewport={"width": width, "height": height},
                                       accept_downloads=True)
         contexts.append(context)
@@ -105,7 +122,7 @@ def open_console(browser, server):
                 if said.type == "error" and "status of 4" not in said.text else None)
         if "PORTAMENTO_PAGES" in os.environ:
             page.route("**/console/*.*", lambda route: route.fulfill(path=PAGES / route.request.url.rsplit("/", 1)[1]))
-        page.goto(f"http://{server.addresses['serving HTTP']}/console/#{view}")
+        page.goto(f"{at or home}#{view}")
         return page
 
     yield opened

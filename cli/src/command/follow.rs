@@ -4,7 +4,7 @@ use std::io::{self, BufRead as _};
 
 use planner::{
     Adjustment, AdjustmentReason, CycleTime, Field, InvalidFields, Limits, PvtMove, PvtPlanner,
-    PvtPointReport, PvtTarget, Quantity, State, Why,
+    PvtPointReport, PvtTarget, Quantity, State, Why, wrong_time,
 };
 use proto::{Reason, Rejected};
 
@@ -172,17 +172,7 @@ impl<'a> Following<'a> {
 
     /// How long there is from the command before \[s\], as a request for points asks of each: a cycle at least.
     fn interval(&self, time: f64) -> Result<f64, Why> {
-        if !time.is_finite() {
-            return Err(Why::NotFinite { given: time });
-        }
-        let (before, cycle) = (self.time, self.cycle.as_seconds());
-        let given = time - before;
-        if given <= 0.0 {
-            return Err(Why::TimesNotIncreasing { given: time, before });
-        }
-        // A beat of whole cycles is not shorter than one by the rounding of its times.
-        let too_short = given < cycle - 2.0 * f64::EPSILON * time;
-        if too_short { Err(Why::IntervalTooShort { given, cycle }) } else { Ok(given) }
+        wrong_time(time, self.time, Some(self.cycle)).map_or(Ok(time - self.time), Err)
     }
 
     /// As one of a table: times from the start, not from the command before.

@@ -13,12 +13,13 @@ const PVT: &str = include_str!("templates/pvt.jsonc");
 
 /// `portamento init`
 pub(crate) fn run(args: &InitArgs, screen: &mut Screen<'_>) -> Result<(), Failure> {
-    let InitArgs { what, file, force, bare } = args;
+    let InitArgs { force, bare, .. } = args;
+    let (what, file) = args.what_and_where()?;
     let (command, text) = match what {
         What::Plan => ("plan", PLAN),
         What::Pvt => ("pvt", PVT),
     };
-    let text = if *bare { without_comments(*what, text)? } else { text.to_owned() };
+    let text = if *bare { without_comments(what, text)? } else { text.to_owned() };
     if file.as_os_str() == "-" {
         write!(screen.out, "{text}")?;
         return Ok(());
@@ -26,7 +27,7 @@ pub(crate) fn run(args: &InitArgs, screen: &mut Screen<'_>) -> Result<(), Failur
     let mut options = OpenOptions::new();
     // A request that somebody has edited is not lost by a second thought.
     options.write(true).create(true).truncate(true).create_new(!force);
-    let written = options.open(file).and_then(|mut file| file.write_all(text.as_bytes()));
+    let written = options.open(&file).and_then(|mut file| file.write_all(text.as_bytes()));
     written.map_err(|cause| match cause.kind() {
         io::ErrorKind::AlreadyExists => {
             Failure::Usage(format!("{} is there already: name another file, or give --force", file.display()))

@@ -19,7 +19,7 @@ mod track;
 mod verify;
 mod watch;
 
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Write as _};
 
 use clap::Parser as _;
 
@@ -30,7 +30,10 @@ use crate::show::paint::{Paint, Screen};
 
 /// Reads the command line, does what it says, tells what went wrong; returns the exit code.
 pub(crate) fn run() -> u8 {
-    let Cli { global, command } = Cli::parse();
+    let Cli { global, command } = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(said) => return tell_usage(&said),
+    };
     let (stdout, stderr) = (io::stdout(), io::stderr());
     let (paint, notes_paint) = (Paint::new(global.color, &stdout), Paint::new(global.color, &stderr));
     let mut out = BufWriter::with_capacity(1 << 16, stdout.lock());
@@ -48,6 +51,18 @@ pub(crate) fn run() -> u8 {
     let _ = screen.out.flush();
     let _ = screen.tell(&failure);
     failure.exit_code()
+}
+
+/// Help where that was asked for, or what is wrong with the flags.
+fn tell_usage(said: &clap::Error) -> u8 {
+    use clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+    let code = u8::try_from(said.exit_code()).unwrap_or(2);
+    // Where it cannot be written, nobody listens.
+    let _ = said.print();
+    if said.use_stderr() && said.kind() != DisplayHelpOnMissingArgumentOrSubcommand {
+        let _ = writeln!(io::stderr(), "(exit code {code})");
+    }
+    code
 }
 
 fn execute(command: &Command, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {

@@ -31,10 +31,10 @@ pub(crate) fn run(args: &PlanArgs, server: Server<'_>, screen: &mut Screen<'_>) 
     }
     if screen.json {
         writeln!(screen.out, "{}", json::plan_response(&judged)?)?;
-        return Ok(());
+    } else {
+        table::plan(screen, &judged)?;
     }
-    table::plan(screen, &judged)?;
-    Ok(())
+    if judged.certificate().passed() { Ok(()) } else { Err(Failure::NotPassed) }
 }
 
 /// A refusal in the words of the command line. Programs get the fields of the schema.

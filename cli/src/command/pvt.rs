@@ -40,10 +40,10 @@ pub(crate) fn run(args: &PvtArgs, server: Server<'_>, screen: &mut Screen<'_>) -
     }
     if screen.json {
         writeln!(screen.out, "{}", json::pvt_response(&judged)?)?;
-        return Ok(());
+    } else {
+        points::plan(screen, &judged)?;
     }
-    points::plan(screen, &judged)?;
-    Ok(())
+    if judged.judged().certificate().passed() { Ok(()) } else { Err(Failure::NotPassed) }
 }
 
 fn to_spec(args: &PvtArgs, table: &PointTable) -> PvtRequestSpec {

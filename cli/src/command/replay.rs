@@ -1,4 +1,4 @@
-use recording::{Difference, Recording, UnreadableRecording};
+use recording::{Beginning, Difference, Recording, UnreadableRecording};
 use serde_json::json;
 
 use crate::args::ReplayArgs;
@@ -20,13 +20,26 @@ pub(crate) fn run(args: &ReplayArgs, screen: &mut Screen<'_>) -> Result<(), Fail
     let same = replayed.difference.is_none() && missing == 0;
     if screen.json {
         let difference = replayed.difference.as_ref().map(described);
+        let taken_over = match &recording.beginning {
+            Beginning::Motion(motion) => Some(motion.revision()),
+            Beginning::Plan(_) => None,
+        };
         let answer = json!({
-            "same": same, "stream": recording.stream, "compared": replayed.compared, "planned": replayed.planned,
+            "same": same, "stream": recording.stream, "compared": replayed.compared, "notCompared": replayed.before,
+            "planned": replayed.planned, "takenOverAtRevision": taken_over,
             "operations": done, "operationsMissing": missing, "difference": difference,
         });
         writeln!(screen.out, "{answer}")?;
     } else {
-        let plan = if replayed.planned { "The request was planned again; " } else { "" };
+        let plan = match &recording.beginning {
+            Beginning::Motion(motion) => format!(
+                "Another server began this stream; from cycle {} on, from the motion of revision {} that it went on with, ",
+                motion.under_way.from_cycle(),
+                motion.revision()
+            ),
+            Beginning::Plan(_) if replayed.planned => "The request was planned again; ".to_owned(),
+            Beginning::Plan(_) => String::new(),
+        };
         let text = format!(
             "{plan}stream {} was played again with {}: {} compared.",
             clean(&recording.stream),
@@ -34,6 +47,13 @@ pub(crate) fn run(args: &ReplayArgs, screen: &mut Screen<'_>) -> Result<(), Fail
             counted(replayed.compared as u64, "setpoint")
         );
         writeln!(screen.out, "{}", wrapped(&text, ""))?;
+        if replayed.before > 0 {
+            let text = format!(
+                "{} of cycles before that motion cannot be played again: only the server before knew what they follow from.",
+                counted(replayed.before as u64, "setpoint")
+            );
+            writeln!(screen.out, "{}", wrapped(&text, ""))?;
+        }
         if missing > 0 {
             let text = format!(
                 "{} of this run took effect that the recording does not hold, as it was made at the axis: from there on it \
@@ -69,7 +89,7 @@ fn said(difference: &Difference, recording: &Recording) -> String {
         ),
         Difference::Setpoint { cycle, axis, quantity, values: [recorded, now] } => format!(
             "It first differs at cycle {cycle}, {} s: of axis {} the {quantity} was {recorded:?} and is {now:?}.",
-            *cycle as f64 * recording.plan.cycle_time().as_seconds(),
+            *cycle as f64 * recording.beginning.plan().cycle_time().as_seconds(),
             clean(axis)
         ),
     }

@@ -13,7 +13,7 @@ use crate::source;
 
 /// `portamento sample`
 pub(crate) fn run(args: &SampleArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
-    let plan = source::plan(&args.source.plan)?;
+    let plan = source::plan(args.source.path())?;
     let service = Service::open(server)?;
     let names: Vec<String> = plan.axes().iter().map(|axis| axis.axis.clone()).collect();
     let cycle_time = plan.cycle_time();

@@ -16,7 +16,7 @@ const USUAL_AXIS: &str = "http://127.0.0.1:50052";
 
 /// `portamento track`
 pub(crate) fn run(args: &TrackArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
-    let plan = source::plan(&args.source.plan)?;
+    let plan = source::plan(args.source.path())?;
     let judged = Judged::new(plan);
     let plan = judged.clone().accepted().map_err(Failure::refused)?;
     let request = TrackRequest {

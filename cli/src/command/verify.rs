@@ -9,7 +9,7 @@ use crate::source;
 
 /// `portamento verify`
 pub(crate) fn run(args: &VerifyArgs, server: Server<'_>, screen: &mut Screen<'_>) -> Result<(), Failure> {
-    let (plan, mut misstated) = source::plan_as_it_is(&args.source.plan)?;
+    let (plan, mut misstated) = source::plan_as_it_is(args.source.path())?;
     misstated.extend_within(&Field::default(), proto::misclassified(&plan));
     let against = args.against.as_deref().map(source::against).transpose()?;
     let certificate = Service::open(server)?.verify(&plan, against.unwrap_or_default())?;

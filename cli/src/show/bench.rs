@@ -4,9 +4,9 @@ use serde_json::{Value, json};
 
 use crate::failure::Failure;
 use crate::measure::{Budget, Timed};
+use crate::show::columns::Table;
 use crate::show::number::counted;
 use crate::show::paint::{Screen, wrapped};
-use crate::show::table::Table;
 
 /// One row as it was measured.
 #[derive(Clone, Copy, Debug)]

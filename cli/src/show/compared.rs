@@ -6,9 +6,10 @@ use planner::{AxisKind, AxisPlan, Judged, Method, Quantity, State};
 use serde_json::{Value, json};
 use sim_axis::{Observation, ReportCard};
 
+use crate::show::columns::Table;
 use crate::show::number::{column, plain, unit};
 use crate::show::paint::{Screen, clean, wrapped};
-use crate::show::table::{self, Table};
+use crate::show::table;
 
 /// One way to make the move: what is planned, and what an axis made of it.
 #[derive(Clone, Debug)]

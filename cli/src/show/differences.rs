@@ -5,9 +5,10 @@ use std::io;
 use planner::Plan;
 
 use crate::command::diff::{Differences, Parting};
+use crate::show::columns::short;
 use crate::show::number::{percent, plain, unit};
 use crate::show::paint::{Screen, clean, wrapped};
-use crate::show::table::{heading, short};
+use crate::show::table::heading;
 
 /// The differences, for people.
 pub(crate) fn table(screen: &mut Screen<'_>, plans: [&Plan; 2], found: &Differences) -> io::Result<()> {

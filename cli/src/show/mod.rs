@@ -1,6 +1,7 @@
 //! How answers look: tables and paragraphs for people, JSON and CSV for programs, plots for both.
 
 pub(crate) mod bench;
+pub(crate) mod columns;
 pub(crate) mod compared;
 pub(crate) mod csv;
 pub(crate) mod differences;
@@ -13,3 +14,4 @@ pub(crate) mod points;
 pub(crate) mod report;
 pub(crate) mod table;
 pub(crate) mod watch;
+pub(crate) mod words;

@@ -4,9 +4,11 @@ use std::io;
 
 use planner::{Adjustment, AdjustmentReason, AxisKind, AxisPlan, JudgedPvt, PvtPointReport, Quantity};
 
+use crate::show::columns::{Table, fitted};
 use crate::show::number::{column, counted, exact_column, plain, unit};
 use crate::show::paint::{Screen, clean, wrapped};
-use crate::show::table::{self, Table, fitted, kind};
+use crate::show::table;
+use crate::show::words::kind;
 
 /// Everything about a plan through points.
 pub(crate) fn plan(screen: &mut Screen<'_>, judged: &JudgedPvt) -> io::Result<()> {

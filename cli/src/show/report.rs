@@ -6,7 +6,7 @@ use planner::{AxisKind, Plan, Quantity};
 use sim_axis::{ReportCard, StreamReport, TrackingReport};
 
 use crate::show::number::{counted, plain, unit};
-use crate::show::paint::{Screen, clean};
+use crate::show::paint::{Screen, clean, wrapped};
 
 /// What is written before a value [characters].
 const LABEL: usize = 24;
@@ -67,7 +67,14 @@ fn axis(screen: &mut Screen<'_>, card: &ReportCard, kind: AxisKind) -> io::Resul
         ("residual vibration", vibration),
         ("effort, most", format!("{} {effort}, {saturated}", plain(round(*max_effort)))),
     ];
-    write_rows(screen, &rows)
+    write_rows(screen, &rows)?;
+    // A drive that needs no effort and is nowhere off is none.
+    if *max_following_error == 0.0 && *max_effort == 0.0 {
+        let text = "It followed exactly: an axis without a model of its drive and mechanics does. Start the simulator with --model \
+                    for one that has them.";
+        writeln!(screen.out, "{}", wrapped(text, "  "))?;
+    }
+    Ok(())
 }
 
 fn stream_report(screen: &mut Screen<'_>, plan: &Plan, stream: &StreamReport) -> io::Result<()> {

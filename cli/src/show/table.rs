@@ -3,18 +3,14 @@
 use std::io;
 
 use planner::{
-    Adjustment, AdjustmentReason, AsymmetricType, AxisKind, AxisPlan, Certificate, Classification, EightType,
-    EndCheck, Explanation, Family, InvalidFields, JoinCheck, Judged, Law, LimitCheck, Method, Plan,
-    PvtInterpolation, PvtMethod, Quantity, SixCase, Synchronization, Violation,
+    Adjustment, AxisKind, AxisPlan, Certificate, EndCheck, Explanation, Family, InvalidFields, JoinCheck,
+    Judged, Law, LimitCheck, Method, Plan, Quantity, Synchronization, Violation,
 };
 
+use crate::show::columns::{Table, Verdict, fitted, short};
 use crate::show::number::{self, column, counted, exact_column, plain, unit};
-use crate::show::paint::{Paint, Screen, WIDTH, clean, wrapped};
-
-/// The most significant digits that a table shows, and the fewest that it comes down to where it is too wide.
-const DIGITS: std::ops::RangeInclusive<i32> = 4..=6;
-/// The most of an axis's name that a table shows [characters].
-const LONGEST_NAME: usize = 16;
+use crate::show::paint::{Screen, clean, wrapped};
+use crate::show::words::{classification, family, kind, why};
 
 /// Everything about a plan.
 pub(crate) fn plan(screen: &mut Screen<'_>, judged: &Judged) -> io::Result<()> {
@@ -66,7 +62,10 @@ pub(crate) fn heading(screen: &mut Screen<'_>, plan: &Plan) -> io::Result<()> {
 pub(crate) fn certificate(screen: &mut Screen<'_>, plan: &Plan, certificate: &Certificate) -> io::Result<()> {
     let paint = screen.paint;
     let verdict = if certificate.passed() { paint.good("passed") } else { paint.bad("FAILED") };
-    writeln!(screen.out, "{}: {verdict}", paint.heading("Certificate"))?;
+    let exceeds = certificate.limits.iter().any(|check| !check.guaranteed && check.margin < 0.0);
+    let but =
+        if certificate.passed() && exceeds { ", and exceeds limits that it does not promise" } else { "" };
+    writeln!(screen.out, "{}: {verdict}{but}", paint.heading("Certificate"))?;
     screen
         .out
         .write_all(fitted(|digits| limits_table(plan, certificate, digits)).render(paint).as_bytes())?;
@@ -365,243 +364,3 @@ fn ends_table(plan: &Plan, certificate: &Certificate) -> Table {
 fn kind_of(plan: &Plan, axis: &str) -> AxisKind {
     plan.axes().iter().find(|plan| plan.axis == axis).map_or(AxisKind::Prismatic, |plan| plan.kind)
 }
-
-pub(crate) fn kind(kind: AxisKind) -> &'static str {
-    match kind {
-        AxisKind::Prismatic => "prismatic",
-        AxisKind::Revolute => "revolute",
-        AxisKind::Pulses => "in pulses",
-    }
-}
-
-fn family(method: Method) -> String {
-    if let Some(PvtMethod { interpolation, policy }) = method.pvt {
-        return match interpolation {
-            // The others have no use for a policy.
-            PvtInterpolation::SShaped => format!("S-shaped through points, {}", policy.name()),
-            PvtInterpolation::Cubic => "cubics through points".to_owned(),
-            PvtInterpolation::Quintic => "quintics through points".to_owned(),
-        };
-    }
-    let family = match method.family {
-        Family::SCurve => "S-curve".to_owned(),
-        Family::Trapezoidal => "trapezoid".to_owned(),
-        Family::Polynomial => format!("polynomial of order {}", method.order),
-        Family::Trigonometric => "trigonometric".to_owned(),
-    };
-    if method.end_on_cycle { format!("{family} that ends on a cycle,") } else { family }
-}
-
-/// The shape in words.
-pub(crate) fn classification(classification: &Classification, kind: AxisKind) -> String {
-    // Where there are eight types, the six cases tell less.
-    let Classification { eight_type, asymmetric_type, six_case, feed_rate } = *classification;
-    let peak = format!("{}\u{a0}{}", plain(feed_rate), unit(kind, Quantity::Velocity));
-    let Some(eight_type) = eight_type else {
-        return match asymmetric_type {
-            Some(asymmetric) => format!(
-                "asymmetric type {} ({}), peak {peak}",
-                asymmetric.name(),
-                asymmetric_words(asymmetric)
-            ),
-            None if feed_rate == 0.0 => "stands still".to_owned(),
-            None => match six_case {
-                Some(case) => format!("case {case} ({}), peak {peak}", case_words(case)),
-                None => format!("peak {peak}"),
-            },
-        };
-    };
-    let words = match eight_type {
-        EightType::Type1 => "cruises, full acceleration both ways",
-        EightType::Type2 => "cruises, full acceleration only while speeding up",
-        EightType::Type3 => "cruises, full acceleration only while slowing down",
-        EightType::Type4 => "cruises, never at full acceleration",
-        EightType::Type5 => "no cruise, full acceleration both ways",
-        EightType::Type6 => "no cruise, full acceleration only while speeding up",
-        EightType::Type7 => "no cruise, full acceleration only while slowing down",
-        EightType::Type8A => "no cruise, never at full acceleration",
-        EightType::Type8B => "path too short, ends at its start velocity",
-        EightType::Type8C => "path too short, one ramp to the nearest velocity",
-    };
-    format!("type {} ({words}), peak {peak}", eight_type.name())
-}
-
-fn asymmetric_words(kind: AsymmetricType) -> &'static str {
-    match kind {
-        AsymmetricType::Type1 => "cruises, full acceleration both ways",
-        AsymmetricType::Type2 => "no cruise, full acceleration both ways",
-        AsymmetricType::Type3 => "no cruise, never at full acceleration",
-        AsymmetricType::Type4 => "no cruise, full acceleration only while speeding up",
-        AsymmetricType::Type5 => "no cruise, full acceleration only while slowing down",
-        AsymmetricType::Type6 => "cruises, full acceleration only while speeding up",
-        AsymmetricType::Type7 => "cruises, full acceleration only while slowing down",
-        AsymmetricType::Type8 => "cruises, never at full acceleration",
-    }
-}
-
-fn case_words(case: SixCase) -> &'static str {
-    match case {
-        SixCase::A | SixCase::C1 => "cruises, never at full acceleration",
-        SixCase::B | SixCase::C2 => "no cruise, never at full acceleration",
-        SixCase::D1 => "cruises, full acceleration both ways",
-        SixCase::D2 => "no cruise, full acceleration both ways",
-    }
-}
-
-/// A clause that gives the reason.
-fn why(reason: AdjustmentReason) -> &'static str {
-    match reason {
-        AdjustmentReason::PathTooShortStartVelocity => {
-            "since the path is too short and policy takes the start velocity"
-        }
-        AdjustmentReason::PathTooShortNearestVelocity => "the nearest that so short a path can reach",
-        AdjustmentReason::FeedRateAboveLimit => "since the feed rate is above the velocity limit",
-        AdjustmentReason::ClosingStop => "since a stop was put after the end",
-        AdjustmentReason::PvtTimeTooShort => "the nearest that can be reached in so short a time",
-        AdjustmentReason::PvtOutOfReach => "since the limits do not let it be met",
-        AdjustmentReason::PvtTimeExtended => "the first time at which it can be met",
-        AdjustmentReason::PvtTimeShifted => "since another axis or a point before it took longer",
-        AdjustmentReason::PvtFinishedLate => "since a move to the last point was put after the others",
-        AdjustmentReason::Override => "since an override scales every velocity",
-    }
-}
-
-/// A name that fits a column.
-pub(crate) fn short(name: &str) -> String {
-    let name = clean(name);
-    if name.chars().count() <= LONGEST_NAME {
-        return name;
-    }
-    name.chars().take(LONGEST_NAME - 1).chain(['…']).collect()
-}
-
-/// The table with as many digits as fit.
-pub(crate) fn fitted(table: impl Fn(i32) -> Table) -> Table {
-    let mut digits = *DIGITS.end();
-    loop {
-        let fitting = table(digits);
-        if fitting.width() <= WIDTH {
-            return fitting;
-        }
-        if digits == *DIGITS.start() {
-            return Table { gap: " ", ..fitting };
-        }
-        digits -= 1;
-    }
-}
-
-/// Columns of text, each as wide as its widest cell.
-#[derive(Debug)]
-pub(crate) struct Table {
-    columns: Vec<Column>,
-    verdicts: Vec<Verdict>,
-    /// Between columns.
-    gap: &'static str,
-}
-
-impl Default for Table {
-    fn default() -> Self {
-        Self { columns: Vec::new(), verdicts: Vec::new(), gap: "  " }
-    }
-}
-
-#[derive(Debug)]
-struct Column {
-    heading: String,
-    unit: String,
-    cells: Vec<String>,
-    right: bool,
-    width: usize,
-}
-
-/// What the judge says of one row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Verdict {
-    Ok,
-    LedBack,
-    NotPromised,
-    Failed,
-}
-
-impl Verdict {
-    fn text(self) -> &'static str {
-        match self {
-            Self::Ok => "ok",
-            Self::LedBack => "led back",
-            Self::NotPromised => "not promised",
-            Self::Failed => "FAILED",
-        }
-    }
-
-    fn painted(self, paint: Paint) -> String {
-        match self {
-            Self::Ok | Self::LedBack => paint.good(self.text()),
-            Self::NotPromised => paint.quiet(self.text()),
-            Self::Failed => paint.bad(self.text()),
-        }
-    }
-}
-
-impl Table {
-    /// With one blank between columns, where there are many.
-    pub(crate) fn narrow() -> Self {
-        Self { gap: " ", ..Self::default() }
-    }
-
-    pub(crate) fn right(&mut self, heading: &str, unit: &str, cells: Vec<String>) {
-        self.push(heading, unit, cells, true);
-    }
-
-    pub(crate) fn left(&mut self, heading: &str, unit: &str, cells: Vec<String>) {
-        self.push(heading, unit, cells, false);
-    }
-
-    fn push(&mut self, heading: &str, unit: &str, cells: Vec<String>, right: bool) {
-        let lengths = cells.iter().map(|cell| cell.chars().count());
-        let width = lengths.chain([heading.chars().count(), unit.chars().count()]).max().unwrap_or(0);
-        self.columns.push(Column { heading: heading.into(), unit: unit.into(), cells, right, width });
-    }
-
-    fn verdicts(&mut self, verdicts: Vec<Verdict>) {
-        self.verdicts = verdicts;
-    }
-
-    fn width(&self) -> usize {
-        let verdicts =
-            self.verdicts.iter().map(|verdict| verdict.text().len() + self.gap.len()).max().unwrap_or(0);
-        INDENT.len() + self.columns.iter().map(|column| column.width + self.gap.len()).sum::<usize>()
-            - self.gap.len()
-            + verdicts
-    }
-
-    pub(crate) fn render(&self, paint: Paint) -> String {
-        let mut text = String::new();
-        let rows = self.columns.first().map_or(0, |column| column.cells.len());
-        for heading in [
-            self.line(self.columns.iter().map(|c| (c, &c.heading))),
-            self.line(self.columns.iter().map(|c| (c, &c.unit))),
-        ] {
-            if !heading.trim().is_empty() {
-                text.push_str(&format!("{}\n", paint.quiet(&heading)));
-            }
-        }
-        for row in 0..rows {
-            text.push_str(&self.line(self.columns.iter().map(|column| (column, &column.cells[row]))));
-            if let Some(verdict) = self.verdicts.get(row) {
-                text.push_str(&format!("{}{}", self.gap, verdict.painted(paint)));
-            }
-            text.push('\n');
-        }
-        text
-    }
-
-    fn line<'a>(&self, cells: impl Iterator<Item = (&'a Column, &'a String)>) -> String {
-        let cells = cells.map(|(column, cell)| {
-            let width = column.width;
-            if column.right { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
-        });
-        format!("{INDENT}{}", cells.collect::<Vec<_>>().join(self.gap)).trim_end().to_owned()
-    }
-}
-
-const INDENT: &str = "  ";

@@ -15,7 +15,7 @@ mod sequence;
 
 pub use offers::PvtOffers;
 pub use planner::{PvtMove, PvtPlanner, PvtTarget};
-pub use request::{PvtAxis, PvtAxisSpec, PvtRequest, PvtRequestSpec};
+pub use request::{PvtAxis, PvtAxisSpec, PvtRequest, PvtRequestSpec, wrong_time};
 pub use sequence::{PvtPlan, PvtPointReport, plan_pvt, plan_pvt_by};
 
 /// How a plan through points was made.

@@ -181,21 +181,27 @@ fn checked_axis(
     }
 }
 
+/// What is wrong with the time of a point \[s\] after that of the point before \[s\]: it is to be later, by a cycle at least.
+#[must_use]
+pub fn wrong_time(given: f64, before: f64, cycle_time: Option<CycleTime>) -> Option<Why> {
+    not_finite(given).or_else(|| {
+        let interval = given - before;
+        if interval.is_nan() || interval <= 0.0 {
+            return Some(Why::TimesNotIncreasing { given, before });
+        }
+        let cycle = cycle_time?.as_seconds();
+        // A beat of whole cycles is not shorter than one by the rounding of its times.
+        let too_short = interval < cycle - 2.0 * f64::EPSILON * given;
+        too_short.then_some(Why::IntervalTooShort { given: interval, cycle })
+    })
+}
+
 fn note_times(invalid: &mut InvalidFields, times: &[f64], cycle_time: Option<CycleTime>) {
     invalid.note("times", times.is_empty().then_some(Why::NoPoints));
-    let cycle = cycle_time.map_or(0.0, CycleTime::as_seconds);
     let mut before = 0.0;
     let mut faults = 0;
     for (index, &given) in times.iter().enumerate() {
-        let why = not_finite(given).or_else(|| {
-            let interval = given - before;
-            if interval.is_nan() || interval <= 0.0 {
-                return Some(Why::TimesNotIncreasing { given, before });
-            }
-            // A beat of whole cycles is not shorter than one by the rounding of its times.
-            let too_short = interval < cycle - 2.0 * f64::EPSILON * given;
-            too_short.then_some(Why::IntervalTooShort { given: interval, cycle })
-        });
+        let why = wrong_time(given, before, cycle_time);
         if why.is_some() {
             invalid.note(Field::element("times", index).as_str(), why);
             faults += 1;

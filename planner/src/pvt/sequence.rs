@@ -74,6 +74,21 @@ impl PvtPlan {
 
 /// Plans the motion through the points of a request.
 ///
+/// Between two points the velocity goes from the one's to the other's in the time that there is. Two extreme motions bound the way
+/// \[axis units\] that it can cover; a point between them is met by ramps of reduced acceleration, whose shape is its
+/// [`PvtRegion`](crate::PvtRegion):
+///
+/// ```text
+/// position │         ╱ as far as can be         R1  past the end velocity and back to it
+///          │      ╱   R1                        R2  a ramp, then a cruise at the end velocity
+///          │   ╱─ ─ ─ R2, R3                    R3  a cruise at the start velocity, then a ramp
+///          │ ╱─── ─ ─ R4                        R4  away from the end velocity first
+///          └──────────── as little as can be
+/// ```
+///
+/// Source: doi:10.1177/17298814211072418 (Int. J. Adv. Robot. Syst., 2022); extremes, regions and ramps are derived in
+/// `notes/0008-position-velocity-time.md`. Its simulation of two axes is `examples/05_pvt`.
+///
 /// Each point is a command of its own, from where the axis then is: positions are absolute, so what one command does not reach is
 /// made up by the next. The times are absolute too and do not drift. Where [`PvtPolicy::ExtendTime`] gives one axis more
 /// time for a point, all axes take that time, so that they stay together; the intervals after it keep their lengths, and all

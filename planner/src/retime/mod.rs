@@ -99,6 +99,14 @@ pub enum RetimeError {
 /// promises to keep, and of others no more than it takes anyway (but then the limit at least). A factor of 0 holds the motion;
 /// one below 1 slows it; 1 resumes it. Above 1 the limits must have room on the rest of the path ([`greatest_factor`]).
 ///
+/// With `q(τ)` the path of an axis over the plan's own time, and `τ′` the rate \[1\],
+///
+/// ```text
+/// v = q′·τ′        a = q″·τ′² + q′·τ″        j = q‴·τ′³ + 3·q″·τ′·τ″ + q′·τ‴
+/// ```
+///
+/// so the rate changes as fast as the tightest axis lets. Derived in `notes/0010-retiming.md`.
+///
 /// While an axis is on a limit the rate may not be able to change; then it stays for a while. Where the path ends before anything could be
 /// gained, the motion runs to its end, and [`Retiming::reached`] is `None`.
 ///

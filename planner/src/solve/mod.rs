@@ -28,6 +28,18 @@ use trapezoid::Trapezoid;
 
 /// The time-optimal jerk-limited move of one axis in the direction of travel.
 ///
+/// Of two speeds `d` apart, with `A` the limit of acceleration where the speed grows and of deceleration where it shrinks, the ramp
+/// between them takes `T(d)` \[s\] and covers `D` \[axis units\]:
+///
+/// ```text
+/// v │    peak                 T(d) = d/A + A/J      d ≥ A²/J: full acceleration is reached
+///   │   ╭────╮                     = 2·√(d/J)       else
+///   │  ╱      ╲ end           D(v₀, v₁) = (v₀ + v₁)/2 · T(|v₁ − v₀|)
+///   │_╱ start  ╲__
+///   └────────────── t         cruises where s > D(start, V) + D(V, end); else the peak is the root of
+///                             D(start, peak) + D(peak, end) = s
+/// ```
+///
 /// Optimal among all motions within the limits that keep the end conditions and do not turn back, but for one corner:
 /// where one end is nearly at rest (below 0.16 of the other, or (√2 − 1)²·a²/j, equal limits), stopping on the way needs
 /// up to 1.3 % less length than the direct ramp; those far slower motions are not sought (`notes/0003-eight-types.md`).
@@ -39,6 +51,9 @@ use trapezoid::Trapezoid;
 /// assert!((plan_move(&problem)?.duration() - 0.94 / 3.0).abs() < 1e-15); // s/v + v/a + a/j
 /// # Ok::<(), planner::InvalidFields>(())
 /// ```
+///
+/// Source: Bui, Le and Doan (2021) for the eight types, Li and Chen for a deceleration of its own, Blejan and Blejan (2020) for the six
+/// cases from rest to rest; restored and collapsed in `notes/0003-eight-types.md` and `notes/0005-asymmetric.md`.
 ///
 /// # Errors
 /// [`Why::PathTooShort`] under [`ShortPathPolicy::Reject`]; [`Why::NotImplemented`] for [`ShortPathPolicy::Reverse`]
@@ -77,6 +92,14 @@ pub(crate) fn has_to_turn_back(problem: &Problem) -> bool {
 ///
 /// The acceleration jumps where pieces meet, at the start and at the end, so the first piece begins with an acceleration
 /// though the problem's start has none.
+///
+/// ```text
+/// v │   ╭──────╮        from rest to rest   T = s/V + V/A      s ≥ V²/A: the velocity limit is reached
+///   │  ╱        ╲                             = 2·√(s/A)       else
+///   └─╱──────────╲── t
+/// ```
+///
+/// Source: Biagiotti and Melchiorri, *Trajectory Planning for Automatic Machines and Robots* (2008), section 3.2.
 ///
 /// ```
 /// # use planner::{plan_trapezoid, Limits, Problem, ShortPathPolicy, State};

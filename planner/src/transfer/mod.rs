@@ -157,6 +157,16 @@ fn note_goal(invalid: &mut InvalidFields, goal: &State, bounds: &Bounds, names: 
 /// is done, is led back as fast as can be without coming out on the other side of the limit: the acceleration first, at full
 /// jerk; then the velocity, from above without undershoot. Going on slower than the limit is the fastest motion's own choice.
 ///
+/// ```text
+/// v │ start   ╭────────╮ cruise      two fastest changes of velocity, and a cruise between them or a touch:
+///   │    ╲   ╱          ╲            where the motion ends is a function of the velocity between them alone,
+///   │     ╰─╯            ╲ goal      walked piece by piece, so that no solution is missed
+///   └──────────────────────── t
+/// ```
+///
+/// Source: derived in `notes/0007-any-state.md`; held against Berscheid and Kröger, *Jerk-limited real-time trajectory generation with
+/// arbitrary target states* (2021).
+///
 /// ```
 /// # use planner::{plan_transfer, Bounds, State, Transfer};
 /// let bounds = Bounds::symmetric(5.0, 1.0, 10.0)?;

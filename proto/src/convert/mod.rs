@@ -24,6 +24,7 @@ pub use claims::misclassified;
 pub use duration::malformed_duration;
 pub use field::{accepted_in, plan_as_it_is_in, plan_in, within};
 pub use many::{outcome_from_wire, outcome_to_wire};
+pub use motion::{motion_from_wire, motion_to_wire};
 pub use plan::{plan_as_it_is, plan_from_wire, plan_to_wire};
 pub use pvt::{point_to_wire, pvt_from_wire, pvt_request_from_wire, pvt_to_wire, pvt_to_wire_by};
 pub use rejected::accepted;

@@ -10,8 +10,16 @@ use super::{accepted, plan_as_it_is_in, plan_to_wire, within};
 use crate::stream::{Motion, OperationResult, RECENT_RESULTS};
 use crate::{Digest, Reason, Rejected, pb};
 
-pub(super) fn motion_from_wire(wire: Option<pb::Motion>) -> Result<Motion, Rejected> {
-    let wire = wire.ok_or_else(|| missing("motion", "a motion"))?;
+/// The motion of a message that has to have one.
+pub(super) fn motion_in(wire: Option<pb::Motion>) -> Result<Motion, Rejected> {
+    motion_from_wire(wire.ok_or_else(|| missing("motion", "a motion"))?)
+}
+
+/// A motion under way, with plans that the judge accepts.
+///
+/// # Errors
+/// What is wrong with it, field by field, and plans that the judge rejects.
+pub fn motion_from_wire(wire: pb::Motion) -> Result<Motion, Rejected> {
     let pb::Motion {
         revision,
         from_cycle,
@@ -45,7 +53,9 @@ pub(super) fn motion_from_wire(wire: Option<pb::Motion>) -> Result<Motion, Rejec
     Ok(Motion { under_way, digest_before: Digest::from(digest_before), recent })
 }
 
-pub(super) fn motion_to_wire(motion: &Motion) -> pb::Motion {
+/// A motion under way, with everything that another server needs to go on with it.
+#[must_use]
+pub fn motion_to_wire(motion: &Motion) -> pb::Motion {
     motion_with(motion, plan_to_wire)
 }
 

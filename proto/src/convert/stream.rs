@@ -4,7 +4,7 @@ use planner::{Field, InvalidField, InvalidFields, LAST_CYCLE, Profile, State, Wh
 
 use super::choice::{event_from_wire, event_to_wire};
 use super::field::missing;
-use super::motion::{motion_from_wire, motion_to_wire, motion_unexplained};
+use super::motion::{motion_from_wire, motion_in, motion_to_wire, motion_unexplained};
 use super::plan::{segment_from_wire, segment_to_wire};
 use super::{accepted_in, plan_to_wire, within};
 use crate::stream::{
@@ -51,7 +51,7 @@ pub fn response_from_wire(wire: pb::StreamSetpointsResponse) -> Result<(u64, ToA
         Some(Response::Opened(opened)) => ToAxis::Opened(Box::new(opened_from_wire(*opened)?)),
         Some(Response::Revised(revised)) => {
             let pb::MotionRevised { motion, certificate: _ } = *revised;
-            ToAxis::Revised(Box::new(Revised { motion: motion_from_wire(motion)? }))
+            ToAxis::Revised(Box::new(Revised { motion: motion_in(motion)? }))
         }
         Some(Response::Batch(batch)) => ToAxis::Batch(batch_from_wire(batch)?),
         Some(Response::Event(event)) => ToAxis::Event(event.try_into()?),
@@ -160,7 +160,7 @@ fn open_from_wire(wire: pb::Open) -> Result<Open, Rejected> {
 
 fn resume_from_wire(wire: pb::Resume) -> Result<Resume, Rejected> {
     let pb::Resume { motion, next_cycle, digest, checkpoint_cycle, checkpoint_digest } = wire;
-    let motion = motion_from_wire(motion)?;
+    let motion = motion_in(motion)?;
     let first = motion.under_way.from_cycle();
     let mut faults = Vec::new();
     let mut fault = |field: &str, text: String| {
@@ -249,7 +249,7 @@ fn open_to_wire(open: &Open) -> pb::Open {
 
 fn opened_from_wire(wire: pb::Opened) -> Result<Opened, Rejected> {
     let pb::Opened { motion, first_cycle, served_by, current_epoch } = wire;
-    let motion = motion.map(|motion| motion_from_wire(Some(motion))).transpose()?;
+    let motion = motion.map(motion_from_wire).transpose()?;
     Ok(Opened { motion, first_cycle, served_by, current_epoch })
 }
 

@@ -26,15 +26,17 @@ use crate::watch::Board;
 use guard::Hosts;
 
 /// The files of the pages: name, type, contents.
-const FILES: [(&str, &str, &str); 13] = [
+const FILES: [(&str, &str, &str); 15] = [
     ("", HTML, include_str!("page/index.html")),
     ("style.css", "text/css; charset=utf-8", include_str!("page/style.css")),
     ("icon.svg", "image/svg+xml", include_str!("page/icon.svg")),
     ("main.js", SCRIPT, include_str!("page/main.js")),
     ("api.js", SCRIPT, include_str!("page/api.js")),
+    ("card.js", SCRIPT, include_str!("page/card.js")),
     ("chart.js", SCRIPT, include_str!("page/chart.js")),
     ("explorer.js", SCRIPT, include_str!("page/explorer.js")),
     ("form.js", SCRIPT, include_str!("page/form.js")),
+    ("history.js", SCRIPT, include_str!("page/history.js")),
     ("live.js", SCRIPT, include_str!("page/live.js")),
     ("motion.js", SCRIPT, include_str!("page/motion.js")),
     ("panel.js", SCRIPT, include_str!("page/panel.js")),

@@ -126,7 +126,9 @@ impl Board {
             shelf.write_down(title, hub.clone().watch_with(RECORDED));
         }
         lock(&self.hubs).insert(stream, hub.clone());
-        Tap::new(self.clone(), hub, executed_cycle)
+        // What was commanded before the motion begins only the server before knows.
+        let before = motion.under_way.from_cycle().saturating_sub(1);
+        Tap::new(self.clone(), hub, executed_cycle.max(before))
     }
 
     /// The stream called `name`.

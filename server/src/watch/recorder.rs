@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-use planner::Judged;
 use proto::stream::Motion;
 use recording::{Head, Recorder};
 
@@ -61,10 +60,13 @@ fn begin(path: &Path, title: &Title) -> std::io::Result<Recorder> {
         axes: plan.axes().iter().map(|axis| axis.axis.clone()).collect(),
     };
     let mut recorder = Recorder::create(path, &head)?;
-    // A stream that goes on here began elsewhere: without its beginning it can be looked at, and not be played again.
-    if title.motion.revision() == 0 {
-        let judged: &Judged = title.motion.accepted().judged();
-        recorder.plan(judged)?;
+    // Until something is done to it a motion is the plan that the stream was opened with, wherever that was; but for one with
+    // a closing stop, which is no plan that anybody asked for.
+    let is_a_plan = title.motion.revision() == 0 && title.motion.under_way.closing_from_cycle().is_none();
+    if is_a_plan {
+        recorder.plan(title.motion.accepted().judged())?;
+    } else {
+        recorder.motion(&title.motion)?;
     }
     Ok(recorder)
 }

@@ -131,6 +131,25 @@ mod tests {
     }
 
     #[test]
+    fn what_somebody_else_changed_on_the_way_is_drawn_as_commanded() {
+        let plan = plan(&[0.05]);
+        let mut tracked = tracked(&plan);
+        tracked.commanded_acceleration = vec![0.25; tracked.times.len()];
+        tracked.commanded_jerk = vec![0.0; tracked.times.len()];
+        let as_planned = of_tracking(&plan, &tracked);
+        assert!(as_planned.subtitle.contains("cycles") && as_planned.bands.len() == 7, "{as_planned:?}");
+        // From 200 ms on it rests where it is.
+        let (resting, _) = tracked.commanded_position.split_at_mut(200);
+        let rest = *resting.last().unwrap();
+        tracked.commanded_position[200..].fill(rest);
+        let changed = of_tracking(&plan, &tracked);
+        assert!(changed.subtitle.ends_with("changed on the way"), "{}", changed.subtitle);
+        assert_eq!(changed.bands.iter().map(|band| band.from).collect::<Vec<_>>(), [0.0, 0.2]);
+        let acceleration = changed.panels.iter().find(|panel| panel.title == "Acceleration").unwrap();
+        assert!(acceleration.series[0].points.iter().all(|point| point.1 == 0.25));
+    }
+
+    #[test]
     fn long_curves_keep_their_extremes() {
         let mut points: Vec<_> = (0..1_000_000).map(|index| (f64::from(index), 0.0)).collect();
         points[123_456].1 = 1.0;

@@ -2,8 +2,9 @@ use planner::{AxisKind, AxisPlan, Family, Law, Plan, Quantity, Synchronization};
 
 use super::figure::{Band, Baseline, Figure, Ink, Limit, Panel, Series, Stroke};
 use super::layout::{LEFT, RIGHT};
+use crate::show::columns::short;
 use crate::show::number::{self, plain, unit};
-use crate::show::table::{classification, short};
+use crate::show::words::classification;
 
 /// Position, velocity, acceleration and jerk of a plan, with its limits and phases.
 pub(crate) fn of_plan(plan: &Plan) -> Figure {

@@ -2,8 +2,8 @@ use planner::{Certificate, JudgedPvt, PvtPointReport, PvtRegion, Quantity};
 
 use super::figure::{Figure, Ink, Mark, Marks, Span, Strip};
 use super::planned::of_plan;
+use crate::show::columns::short;
 use crate::show::number::{counted, plain, unit};
-use crate::show::table::short;
 
 /// A plan through points: its curves, with what was asked, what was not met, and the region of each point.
 pub(crate) fn of_points(judged: &JudgedPvt) -> Figure {

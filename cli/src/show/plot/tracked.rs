@@ -2,8 +2,8 @@ use planner::Plan;
 
 use super::figure::{Band, Figure, Ink, Panel, Series, Stroke};
 use super::planned::of_plan;
+use crate::show::columns::short;
 use crate::show::number::{counted, plain};
-use crate::show::table::short;
 
 /// What an axis was told and what it did, cycle by cycle.
 #[derive(Clone, Debug, Default)]
@@ -24,7 +24,7 @@ pub(crate) struct Tracked {
 }
 
 /// Commanded against measured position and velocity, and the following error, above what `plan` says of acceleration
-/// and jerk; where operations changed it, what was commanded.
+/// and jerk; where operations changed it, here or from elsewhere, what was commanded.
 pub(crate) fn of_tracking(plan: &Plan, tracked: &Tracked) -> Figure {
     let Tracked { axis, unit, times, .. } = tracked;
     let pairs =
@@ -63,15 +63,21 @@ pub(crate) fn of_tracking(plan: &Plan, tracked: &Tracked) -> Figure {
     ];
     let rest = planned.into_iter().filter(|panel| matches!(panel.title.as_str(), "Acceleration" | "Jerk"));
     let until = times.last().copied().unwrap_or_default();
-    if !tracked.operations.is_empty() {
+    let (marks, how) = if tracked.operations.is_empty() {
+        let changed = departure(plan, tracked).map(|from| (from, "changed on the way".to_owned()));
+        (changed.into_iter().collect(), "not as planned: changed on the way".to_owned())
+    } else {
+        let count = counted(tracked.operations.len() as u64, "operation");
+        (tracked.operations.clone(), format!("with {count}"))
+    };
+    if !marks.is_empty() {
         let mut played = [&tracked.commanded_acceleration, &tracked.commanded_jerk].into_iter();
         figure.panels.extend(
             rest.zip(&mut played).map(|(panel, values)| Panel { series: vec![told(values)], ..panel }),
         );
         figure.bands_name = "operation".to_owned();
-        figure.bands = operations(&tracked.operations, until);
-        figure.subtitle =
-            format!("{} s, with {}", plain(until), counted(tracked.operations.len() as u64, "operation"));
+        figure.bands = operations(&marks, until);
+        figure.subtitle = format!("{} s, {how}", plain(until));
         return figure;
     }
     figure.panels.extend(rest.map(|mut panel| {
@@ -85,6 +91,19 @@ pub(crate) fn of_tracking(plan: &Plan, tracked: &Tracked) -> Figure {
         panel
     }));
     figure
+}
+
+/// When what was commanded ceases to be what was planned \[s\]: somebody else has operated on it.
+fn departure(plan: &Plan, tracked: &Tracked) -> Option<f64> {
+    /// Of the way: far above the rounding of a sum, and less than any drive can tell.
+    const SAME: f64 = 1e-9;
+    let axis = plan.axes().first()?;
+    let (start, end) = (axis.profile.start().position, axis.profile.end().position);
+    let allowed = SAME * (end - start).abs().max(start.abs()).max(end.abs());
+    let mut told = tracked.times.iter().zip(&tracked.commanded_position);
+    let differs =
+        |&(&time, &told): &(&f64, &f64)| (axis.profile.at(time).state.position - told).abs() > allowed;
+    told.find(differs).map(|(time, _)| *time)
 }
 
 /// From each operation to the next.

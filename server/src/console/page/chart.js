@@ -41,8 +41,8 @@ const label = (value, digits) => (Math.abs(value) < 1e-12 ? "0" : Math.abs(value
  * onto `pen`, in a space of `width` × `height`.
  */
 export function draw(pen, figure, width, height) {
-  const left = width < 420 ? 46 : 62, right = width - 10, top = 6 + (figure.spans ? 20 : 0) + (figure.bands ? 16 : 0);
-  const bottom = height - (figure.bare ? 6 : 34), gap = figure.bare ? 8 : 24;
+  const left = width < 420 ? 56 : 62, right = width - 10, top = 6 + (figure.spans ? 20 : 0) + (figure.bands ? 16 : 0);
+  const bottom = height - (figure.bare ? 6 : 34), gap = figure.bare ? 14 : 24;
   const count = figure.panels.length;
   const tall = (bottom - top - gap * (count - (figure.bare ? 1 : 0))) / count;
   const { from, to } = figure;
@@ -65,8 +65,8 @@ export function draw(pen, figure, width, height) {
     if (!(high >= low)) [low, high] = [0, 0];
     // What stands still is a level line, with a number beside it that can be read.
     const reach = Math.max(high - low, Math.abs(high) * 1e-3, panel.least ?? 0) || 1;
-    // A limit that is near is seen whole, one far away does not flatten the curve.
-    for (const limit of panel.limits ?? []) if (limit > high && limit < high + reach) high = limit; else if (limit < low && limit > low - reach) low = limit;
+    // A limit that is near is seen whole, one far away does not flatten the curve; a rounding below zero brings none nearer.
+    for (const limit of panel.limits ?? []) if (limit > high && limit < high + reach * (1 - 1e-9)) high = limit; else if (limit < low && limit > low - reach * (1 - 1e-9)) low = limit;
     const room = Math.max((high - low) * 0.06, (reach - (high - low)) / 2, reach * 0.03);
     [low, high] = [low - room, high + room];
     const y = (value) => y1 - ((value - low) / (high - low)) * (y1 - y0);
@@ -147,7 +147,7 @@ export class CanvasPen {
     const { context } = this;
     context.beginPath();
     for (const [x, y] of points) context.lineTo(x, y);
-    Object.assign(context, { strokeStyle: color, lineWidth: width, lineJoin: "round" });
+    Object.assign(context, { strokeStyle: color, lineWidth: width, lineJoin: "bevel" });
     context.setLineDash(dash);
     context.stroke();
   }

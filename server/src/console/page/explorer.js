@@ -4,7 +4,7 @@ import { call } from "./api.js";
 import { ink } from "./chart.js";
 import { clear, dress, fact, numbers, object, refuse } from "./form.js";
 import { curves, phases } from "./motion.js";
-import { Chart, downloads, tables } from "./panel.js";
+import { Chart, downloads, tables, verdict } from "./panel.js";
 import { plain, unit, word } from "./units.js";
 
 const FAMILIES = [
@@ -53,7 +53,7 @@ export function explorer() {
       details.replaceChildren();
       const elsewhere = (error.fields ?? []).filter(({ field, description }) => {
         const named = form.elements[FIELDS[field.replace(/^axes\[\d+\]\./, "")]];
-        if (named) object(named, description);
+        if (named) object(named, description.replace("name a short_path_policy", "choose under “Path too short” what gives way"));
         return !named;
       });
       refuse(state, { ...error, message: error.message, fields: elsewhere, marked: elsewhere.length < (error.fields ?? []).length });
@@ -78,7 +78,7 @@ export function explorer() {
       fact(`${plain(named.feedRate)} ${unit("u/s", kind)}`, "greatest speed"),
       ...(names.length ? [fact(names.join(", "), "classification")] : []),
       ...(binds ? [fact(binds, "limits reached")] : []),
-      fact(plan.certificate.passed ? "passed" : "failed", "certificate", plan.certificate.passed ? "good" : "bad"),
+      verdict(plan.certificate),
       ...(axis.adjustments.length ? [fact(axis.adjustments.map(({ quantity, planned }) => `${word(quantity)} ${plain(planned)}`).join(", "), "not as asked", "warn")] : []),
     );
     const all = [plan, ...(second ? [second] : [])];

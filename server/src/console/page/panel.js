@@ -2,7 +2,7 @@
 
 import { callAll } from "./api.js";
 import { CanvasPen, SvgPen, draw } from "./chart.js";
-import { save, table } from "./form.js";
+import { fact, save, table } from "./form.js";
 import { PATTERNS, plain, unit, word } from "./units.js";
 
 /** A chart that can be read out with pointer and arrow keys. */
@@ -93,6 +93,15 @@ function csv(plan, chunks) {
 const title = (quantity) => word(quantity);
 const of = (quantity, kind) => unit(PATTERNS[word(quantity)] ?? "", kind);
 
+const exceeded = ({ margin }) => !(margin >= -1e-9);
+
+/** What the judge says, in a box. Passed is what a plan promises: one that promises little may exceed a limit all the same. */
+export function verdict({ passed, limitChecks }) {
+  if (!passed) return fact("failed", "certificate", "bad");
+  const beyond = limitChecks.filter((check) => !check.guaranteed && exceeded(check)).map(({ quantity }) => title(quantity));
+  return beyond.length ? fact("passed", `certificate; ${beyond.join(", ")} not promised, and exceeded`, "warn") : fact("passed", "certificate", "good");
+}
+
 /** Adjustments, phases, binding limits and the certificate of a plan of one axis. */
 export function tables(plan) {
   const [axis] = plan.axes, { kind } = axis, { certificate, explanation } = plan;
@@ -106,7 +115,7 @@ export function tables(plan) {
       [title(quantity), plain(fromTime), plain(toTime)])));
   }
   const checks = certificate.limitChecks.map((check) => [`${title(check.quantity)} [${of(check.quantity, kind)}]`, plain(check.limit), plain(check.extremum),
-    plain(check.atTime), `${plain(check.margin * 100, 3)} %`, check.guaranteed ? (check.margin < -1e-9 ? "exceeded" : "kept") : "not kept by this family"]);
+    plain(check.atTime), `${plain(check.margin * 100, 3)} %`, `${exceeded(check) ? "exceeded" : "kept"}${check.guaranteed ? "" : ", not promised"}`]);
   parts.push(table(`Certificate: ${certificate.passed ? "passed" : "failed"}`, ["limit on", "limit", "extreme", "at [s]", "margin", ""], checks, true));
   parts.push(table("Joins and end", ["what", "worst jump", "allowed", "off the end"], certificate.continuityChecks.map(({ quantity, worstJump, allowed }) =>
     [`${title(quantity)} [${of(quantity, kind)}]`, plain(worstJump, 2), plain(allowed, 2),

@@ -4,7 +4,7 @@ import { call } from "./api.js";
 import { color, ink } from "./chart.js";
 import { clear, dress, fact, numbers, object, refuse } from "./form.js";
 import { curves } from "./motion.js";
-import { Chart, downloads, tables } from "./panel.js";
+import { Chart, downloads, tables, verdict } from "./panel.js";
 import { number, plain, unit, word } from "./units.js";
 
 const EXAMPLE = [["0.2", "0.015", "0.15"], ["0.4", "0.045", "0.15"], ["0.6", "0.09", "0.1"], ["0.8", "0.1", "0"]];
@@ -112,7 +112,7 @@ export function points() {
     summary.replaceChildren(
       fact(`${plain(plan.duration)} s`, `through ${points.length} points`),
       fact(String(missed.length), "not met as asked", missed.length ? "warn" : "good"),
-      fact(plan.certificate.passed ? "passed" : "failed", plan.guaranteed.length ? "certificate" : "certificate, limits not kept", plan.certificate.passed ? "good" : "bad"),
+      verdict(plan.certificate),
       ...(plan.certificate.reversals.length ? [fact(String(plan.certificate.reversals.length), "times turned back", "warn")] : []),
     );
     const lines = curves(axis, plan.duration), { limits } = axis;
