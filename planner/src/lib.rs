@@ -262,7 +262,7 @@
 //! 6. [`PvtPlanner`], [`PvtRequest`], [`plan_pvt`]: position, velocity and time together, a command at a time or point
 //!    after point; [`PvtPolicy`]: what to give up where they cannot all be met.
 //! 7. [`certify`], [`violations`], [`Certificate`]: the judge. [`explain`]: which limit held the motion back, when.
-//!    [`Judged`], [`Accepted`]: a plan with both, and one that may be executed.
+//!    [`Judged`], [`Accepted`]: a plan with both, and one that may be executed. [`MoveSeries`]: many moves of one axis, each for a fraction of that.
 //! 8. [`generator`], [`grid`]: without a plan. The stepped form for a control loop, and moves of whole cycles.
 //! 9. [`motion`]: a plan under way, and what may be done to it: hold, resume, override, retarget, stop.
 //! 10. [`retime`], [`TimeLaw`], [`Retiming`]: a plan on its way held, slowed or resumed, all axes together and on their
@@ -303,6 +303,7 @@ mod retime;
 mod roots;
 mod segment;
 mod segments;
+mod series;
 mod short_path;
 mod shortest;
 mod solve;
@@ -340,6 +341,7 @@ pub use request::{
 pub use retime::{RetimeError, Retiming, TimeLaw, greatest_factor, retime};
 pub use segment::{Law, MAX_TURNING_POINTS, Segment, Setpoint};
 pub use segments::{Segments, SegmentsIter};
+pub use series::{MoveSeries, SeriesError, SeriesMove};
 pub use short_path::ShortPathPolicy;
 pub use shortest::Shortest;
 pub use solve::{Adjustment, AdjustmentReason, MAX_PIECES, Move, plan_move, plan_stop, plan_trapezoid};

@@ -38,7 +38,10 @@ impl Passage {
                 "acceleration",
                 too_hard(&goal, &limits).map(|limit| refused(goal.acceleration, limit)),
             );
-            invalid.extend_within(&Field::named("goal"), inner);
+            // A path is spelt only where there is something to say of it.
+            if !inner.is_empty() {
+                invalid.extend_within(&Field::named("goal"), inner);
+            }
         }
         invalid.into_result(Self { start, goal, limits })
     }
@@ -71,11 +74,17 @@ impl Passage {
     /// # Errors
     /// Those of [`plan_between`], in the words of the limits.
     pub(crate) fn plan(&self) -> Result<(Transit, Option<Adjustment>, Classification), InvalidFields> {
+        let (transit, adjustment) = self.transit()?;
+        let speed = Classification::of_speed(greatest_speed(&transit));
+        Ok((transit, adjustment, speed))
+    }
+
+    /// The same without its greatest speed.
+    pub(crate) fn transit(&self) -> Result<(Transit, Option<Adjustment>), InvalidFields> {
         let Self { start, goal, limits } = self;
         let transit = plan_between(*start, *goal, limits).map_err(|refusal| named(&refusal, limits))?;
         let travel = goal.position - start.position;
-        let speed = Classification::of_speed(greatest_speed(&transit));
-        Ok((transit, feed_rate_above_limit(limits, travel), speed))
+        Ok((transit, feed_rate_above_limit(limits, travel)))
     }
 }
 

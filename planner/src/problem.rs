@@ -158,7 +158,9 @@ pub(crate) fn within_limits(invalid: &mut InvalidFields, end: &str, state: &Stat
         let what = "an acceleration at the start or the goal";
         inner.note("acceleration", Some(Why::NotImplemented { what, instead }));
     }
-    invalid.extend_within(&Field::named(end), inner);
+    if !inner.is_empty() {
+        invalid.extend_within(&Field::named(end), inner);
+    }
 }
 
 /// Is there a way in the direction of travel, for the solver that there is?

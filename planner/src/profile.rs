@@ -33,6 +33,34 @@ impl Profile {
         Self { pieces, begins, duration, end }
     }
 
+    /// Makes it another motion, to `end`, that has no pieces yet and the room of those that it had.
+    pub(crate) fn begin_again(&mut self, end: State) {
+        self.pieces.clear();
+        self.begins.clear();
+        self.duration = 0.0;
+        self.end = end;
+    }
+
+    /// Goes on with a piece.
+    pub(crate) fn push(&mut self, segment: &Segment) {
+        self.begins.push(self.duration);
+        self.duration += segment.duration;
+        self.pieces.push(segment);
+    }
+
+    /// Goes on with a piece of constant jerk.
+    #[inline]
+    pub(crate) fn push_jerk(&mut self, duration: f64, start: State, jerk: f64) {
+        self.begins.push(self.duration);
+        self.duration += duration;
+        self.pieces.push_jerk(duration, start, jerk);
+    }
+
+    /// The greatest jerk of piece number `index`, which there is, if its jerk is a cosine.
+    pub(crate) fn peak(&self, index: usize) -> Option<f64> {
+        self.pieces.peak(index)
+    }
+
     /// The pieces, in order; none where nothing moves.
     #[must_use]
     #[inline]

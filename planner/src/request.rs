@@ -139,7 +139,7 @@ pub enum AxisProblem {
 }
 
 impl AxisProblem {
-    fn new(
+    pub(crate) fn new(
         family: Family,
         start: State,
         goal: State,
@@ -396,17 +396,17 @@ fn checked_axis(
 
 /// A family with the order that was asked for, and whether its moves are to end on a cycle.
 #[derive(Clone, Copy, Debug)]
-struct Shape {
-    family: Family,
-    order: Option<u32>,
-    end_on_cycle: bool,
-    cycle: CycleTime,
+pub(crate) struct Shape {
+    pub(crate) family: Family,
+    pub(crate) order: Option<u32>,
+    pub(crate) end_on_cycle: bool,
+    pub(crate) cycle: CycleTime,
 }
 
 impl Shape {
     /// `limits` with a limit of jerk where order 2, which keeps none, has left it out: stops, holds and what else may
     /// follow on a stream keep one. The acceleration comes to its limit within a cycle, as it does in the setpoints of such a motion.
-    fn with_jerk(self, limits: LimitsSpec) -> LimitsSpec {
+    pub(crate) fn with_jerk(self, limits: LimitsSpec) -> LimitsSpec {
         let left_out = limits.max_jerk == 0.0 && self.order() == Some(2);
         // Wrong limits are not the place to take another from.
         let hardest = largest(limits.max_acceleration, limits.max_deceleration.unwrap_or_default());

@@ -71,6 +71,20 @@ impl Pieces {
         self.list.len()
     }
 
+    /// Takes all of them away, and keeps their room.
+    pub(crate) fn clear(&mut self) {
+        self.list.clear();
+        self.derivatives.clear();
+    }
+
+    /// The greatest jerk of segment number `index`, which there is, if its jerk is a cosine.
+    pub(crate) fn peak(&self, index: usize) -> Option<f64> {
+        match self.list[index].law {
+            KeptLaw::CosineJerk { peak } => Some(peak),
+            KeptLaw::ConstantJerk(_) | KeptLaw::Polynomial { .. } => None,
+        }
+    }
+
     /// Is any of them a polynomial?
     #[inline]
     pub(crate) fn have_polynomials(&self) -> bool {
@@ -186,6 +200,22 @@ impl<'a> Segments<'a> {
     #[inline]
     pub fn get(self, index: usize) -> Option<Segment> {
         (index < self.len()).then(|| self.pieces.segment(index))
+    }
+
+    /// Duration \[s\], start and jerk [axis units/s³] of segment number `index`, if there is one and its jerk is constant: as [`get`](Self::get),
+    /// without the room that a [`Segment`] has for polynomials.
+    ///
+    /// ```
+    /// # use planner::{Law, Profile, Segment, State};
+    /// let away = Segment { duration: 1.0, start: State::at_rest(0.0), law: Law::ConstantJerk(6.0) };
+    /// let profile = Profile::new([away], away.end());
+    /// assert_eq!(profile.segments().constant_jerk(0), Some((1.0, State::at_rest(0.0), 6.0)));
+    /// assert_eq!(profile.segments().constant_jerk(1), None);
+    /// ```
+    #[must_use]
+    #[inline]
+    pub fn constant_jerk(self, index: usize) -> Option<(f64, State, f64)> {
+        (index < self.len()).then(|| self.pieces.constant_jerk(index)).flatten()
     }
 
     /// The first, if there is one.

@@ -11,10 +11,10 @@ use std::hint::black_box;
 
 use common::splices;
 use planner::{
-    AxisKind, AxisMoveSpec, AxisProblem, AxisTransfer, Bounds, Cursor, Family, Limits, LimitsSpec, Problem,
-    PvtPlanner, PvtPolicy, PvtTarget, Request, RequestSpec, ShortPathPolicy, State, Synchronization, Timing,
-    Transfer, plan, plan_between, plan_move, plan_polynomial, plan_stop, plan_transfer, plan_trigonometric,
-    plan_velocity, together,
+    AxisKind, AxisMoveSpec, AxisProblem, AxisTransfer, Bounds, Cursor, Family, Limits, LimitsSpec,
+    MoveSeries, Problem, PvtPlanner, PvtPolicy, PvtTarget, Request, RequestSpec, ShortPathPolicy, State,
+    Synchronization, Timing, Transfer, plan, plan_between, plan_move, plan_polynomial, plan_stop,
+    plan_transfer, plan_trigonometric, plan_velocity, together,
 };
 
 thread_local! {
@@ -228,4 +228,43 @@ fn a_splice_allocates_what_it_keeps() {
     let most = [[16, 17, 17, 18], [41, 42, 42, 48], [91, 48, 93, 141], [58, 54, 58, 55]];
     let within = counts.iter().flatten().zip(most.iter().flatten()).all(|(count, most)| count <= most);
     assert!(within, "{counts:?}, at most {most:?}");
+}
+
+/// Of every family without an order, from and to any state inside the limits, with limits of its own: from the second move on.
+#[test]
+fn the_moves_of_a_series_allocate_nothing() {
+    for family in [Family::SCurve, Family::Trapezoidal, Family::Trigonometric] {
+        let still = State::at_rest(0.0);
+        let axis = AxisMoveSpec {
+            axis: "x".into(),
+            kind: Ok(AxisKind::Prismatic),
+            start: still,
+            goal: still,
+            limits: limits(),
+        };
+        let mut series = MoveSeries::like(RequestSpec {
+            axes: vec![axis],
+            cycle_time_ns: None,
+            family: Ok(family),
+            order: None,
+            short_path: Ok(ShortPathPolicy::Reverse),
+            synchronization: Ok(Synchronization::None),
+            minimum_duration: None,
+            end_on_cycle: false,
+        })
+        .unwrap();
+        let part = if family == Family::SCurve { 1.0 } else { 0.0 };
+        let moves = |series: &mut MoveSeries| {
+            for number in 1..100 {
+                let share = f64::from(number) / 100.0;
+                series.limit(|limits| limits.max_deceleration = Some(1.0 + share));
+                let start =
+                    State { position: 0.0, velocity: 0.3 * share * part, acceleration: -0.5 * share * part };
+                let goal = State { position: share, velocity: -0.4 * share * part, acceleration: 0.0 };
+                black_box(series.answer(start, goal).unwrap().profile().duration());
+            }
+        };
+        moves(&mut series);
+        assert_eq!(allocations(|| moves(&mut series)), 0, "{family:?}");
+    }
 }

@@ -4,6 +4,7 @@
 //! - [`to_json`], [`from_json`]: their proto3 JSON mapping, which is the input and output of programs
 //! - [`Digest`], [`fingerprint`]: what proves that two parties hold the same setpoints, or the same plan
 //! - [`Sampling`]: the setpoints of a plan, chunk by chunk, with their digest
+//! - [`MoveColumns`], [`Moves`], [`PlannedMoves`]: many moves of one axis in columns, asked, planned and answered
 //! - [`Threads`]: who shares the work that a large answer is
 //! - [`TraceContext`]: who asked for what is done for whom, across processes
 //! - [`Reason`], [`Rejected`]: why something was refused, as an enum, and as a status with details
@@ -26,11 +27,11 @@ mod trace_context;
 mod transcript;
 
 pub use convert::{
-    Against, accepted, accepted_in, against, malformed_duration, misclassified, motion_from_wire,
-    motion_to_wire, outcome_from_wire, outcome_to_wire, plan_as_it_is, plan_as_it_is_in, plan_from_wire,
-    plan_in, plan_request_from_wire, plan_to_wire, point_to_wire, pvt_from_wire, pvt_request_from_wire,
-    pvt_to_wire, pvt_to_wire_by, request_from_wire, request_to_wire, response_from_wire, response_to_wire,
-    within,
+    Against, MoveColumns, Moves, PlannedMove, PlannedMoves, accepted, accepted_in, against,
+    malformed_duration, misclassified, motion_from_wire, motion_to_wire, outcome_from_wire, outcome_to_wire,
+    plan_as_it_is, plan_as_it_is_in, plan_from_wire, plan_in, plan_request_from_wire, plan_to_wire,
+    point_to_wire, pvt_from_wire, pvt_request_from_wire, pvt_to_wire, pvt_to_wire_by, request_from_wire,
+    request_to_wire, response_from_wire, response_to_wire, within,
 };
 pub use detail::Detail;
 pub use digest::{Digest, RaggedColumns};

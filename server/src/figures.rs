@@ -20,6 +20,7 @@ struct Resolved {
     polynomial: Histogram,
     trigonometric: Histogram,
     pvt: Histogram,
+    moves: [Counter; 4],
     streams: Gauge,
     opened: Counter,
     setpoints: Counter,
@@ -30,12 +31,14 @@ impl Figures {
     /// From now on.
     pub(crate) fn resolve() -> Self {
         let plan = |family| metrics::histogram!("motion_plan_seconds", "family" => family);
+        let many = |family| metrics::counter!("motion_column_plans_total", "family" => family);
         Self(Arc::new(Resolved {
             s_curve: plan("s_curve"),
             trapezoidal: plan("trapezoidal"),
             polynomial: plan("polynomial"),
             trigonometric: plan("trigonometric"),
             pvt: plan("pvt"),
+            moves: ["s_curve", "trapezoidal", "polynomial", "trigonometric"].map(many),
             streams: metrics::gauge!("motion_streams"),
             opened: metrics::counter!("motion_streams_opened_total"),
             setpoints: metrics::counter!("motion_setpoints_sent_total"),
@@ -45,13 +48,32 @@ impl Figures {
 
     /// A plan was made.
     pub(crate) fn planned(&self, family: Family, took: Duration) {
-        let histogram = match family {
+        self.seconds(family).record(took);
+    }
+
+    /// So many were made of one message of columns. A million a second are not timed one by one: what they took on the mean is told once
+    /// for a message.
+    pub(crate) fn planned_many(&self, family: Family, count: u32, took: Duration) {
+        let [s_curve, trapezoidal, polynomial, trigonometric] = &self.0.moves;
+        let counter = match family {
+            Family::SCurve => s_curve,
+            Family::Trapezoidal => trapezoidal,
+            Family::Polynomial => polynomial,
+            Family::Trigonometric => trigonometric,
+        };
+        counter.increment(u64::from(count));
+        if let Some(mean) = took.checked_div(count) {
+            self.seconds(family).record(mean);
+        }
+    }
+
+    fn seconds(&self, family: Family) -> &Histogram {
+        match family {
             Family::SCurve => &self.0.s_curve,
             Family::Trapezoidal => &self.0.trapezoidal,
             Family::Polynomial => &self.0.polynomial,
             Family::Trigonometric => &self.0.trigonometric,
-        };
-        histogram.record(took);
+        }
     }
 
     /// A plan through points was made.

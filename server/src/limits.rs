@@ -10,7 +10,7 @@ pub struct Limits {
     pub streams_per_identity: usize,
     /// The most axes of a request or a stream.
     pub axes: usize,
-    /// The most requests in a message of `PlanMany`.
+    /// The most requests, or moves in columns, in a message of `PlanMany`.
     pub plans_per_message: usize,
     /// The most segments of a plan that is sent in, of all its axes together.
     pub segments: usize,
@@ -79,17 +79,18 @@ impl Limits {
         Err(rejected.with("given", given).with("allowed", most))
     }
 
-    /// Are `given` requests as many as a message may have?
-    pub(crate) fn admit_plans(&self, given: usize) -> Result<(), Rejected> {
+    /// Are `given` requests, or moves, in the field called `field` as many as a message may have?
+    pub(crate) fn admit_plans(&self, field: &str, given: usize) -> Result<(), Rejected> {
         let most = self.plans_per_message;
         if given <= most {
             return Ok(());
         }
         let text = format!(
-            "has {given} requests, and this server takes {most} in a message: send them in several, on the same stream, or \
-             raise max_plans_per_message"
+            "has {given} {}, and this server takes {most} in a message: send them in several, on the same stream, or \
+             raise max_plans_per_message",
+            if field == "columns" { "moves" } else { "requests" }
         );
-        let rejected = Rejected::for_field("requests", Reason::TooManyPlans, text);
+        let rejected = Rejected::for_field(field, Reason::TooManyPlans, text);
         Err(rejected.with("given", given).with("allowed", most))
     }
 

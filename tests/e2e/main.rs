@@ -8,6 +8,7 @@
 )]
 
 mod attacked;
+mod bad_columns;
 mod bad_fields;
 mod bad_plans;
 mod bad_streams;
@@ -19,6 +20,7 @@ mod injected;
 mod large_messages;
 mod limits;
 mod operations;
+mod plan_columns;
 mod plan_many;
 mod plan_then_stream;
 mod pvt;

@@ -47,7 +47,7 @@ fn mixed() -> Vec<pb::PlanRequest> {
 }
 
 fn message(requests: Vec<pb::PlanRequest>) -> pb::PlanManyRequest {
-    pb::PlanManyRequest { requests, detail: 0 }
+    pb::PlanManyRequest { requests, detail: 0, columns: None }
 }
 
 /// The answers to `messages`, up to the status that ends them.

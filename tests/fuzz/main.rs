@@ -33,6 +33,41 @@ fn plan_requests() {
     });
 }
 
+/// At the server: what is in order is planned, and its answer reads back.
+#[test]
+fn columns_of_moves() {
+    run("columns", |bytes| {
+        let Ok(wire) = pb::MoveColumns::decode(bytes) else { return };
+        let moves = proto::Moves::from_wire(wire, proto::Detail::Full, |_| Ok(()));
+        let Some(mut moves) = checked(moves) else { return };
+        let count = moves.len();
+        while moves.plan_next().is_some() {}
+        let planned =
+            proto::PlannedMoves::from_wire(moves.into_wire()).expect("an answer that cannot be read");
+        assert_eq!(planned.len(), count);
+        for (_, refused) in planned.refusals() {
+            checked::<()>(Err(refused));
+        }
+    });
+}
+
+/// At the client: whatever comes is an answer or none, and a plan of it is judged.
+#[test]
+fn columns_of_plans() {
+    let mut asked = proto::MoveColumns::like(e2e::fifty_millimetres());
+    asked.goal_position = vec![0.05, 0.1, -0.2];
+    run("plan_columns", |bytes| {
+        let Ok(wire) = pb::PlanColumns::decode(bytes) else { return };
+        let Some(planned) = checked(proto::PlannedMoves::from_wire(wire)) else { return };
+        for index in 0..planned.len().min(4) {
+            assert!(planned.outcome(index).is_some());
+            let plan = checked(planned.plan(index, &asked));
+            drop(plan.map(|plan| plan.plan().sampler().at(1).count()));
+        }
+        assert!(planned.outcome(planned.len()).is_none());
+    });
+}
+
 #[test]
 fn tables_of_points() {
     run("pvt_request", |bytes| {
@@ -222,6 +257,25 @@ fn corpus() {
     ] {
         let request = pb::PlanRequest { family: family as i32, ..request.clone() };
         write("plan_request", name, &request.encode_to_vec());
+    }
+    for (name, family) in [
+        ("s-curve", planner::Family::SCurve),
+        ("trapezoidal", planner::Family::Trapezoidal),
+        ("trigonometric", planner::Family::Trigonometric),
+        ("polynomial", planner::Family::Polynomial),
+    ] {
+        let mut like = fifty_millimetres();
+        (like.family, like.order) = (Ok(family), (family == planner::Family::Polynomial).then_some(4));
+        like.axes[0].limits.max_snap = Some(6000.0);
+        let mut columns = proto::MoveColumns::like(like);
+        columns.goal_position = vec![0.05, 0.1, f64::NAN];
+        columns.max_velocity = vec![0.25, 0.5, 0.1];
+        columns.feed_rate = vec![0.2, 0.6, 0.1];
+        let wire = pb::MoveColumns::from(columns);
+        write("columns", name, &wire.encode_to_vec());
+        let mut moves = proto::Moves::from_wire(wire, proto::Detail::Full, |_| Ok(())).unwrap();
+        while moves.plan_next().is_some() {}
+        write("plan_columns", name, &moves.into_wire().encode_to_vec());
     }
     let points = pb::PlanPvtRequest {
         axes: vec![pb::PvtAxis {

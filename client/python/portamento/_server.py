@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import grpc
 from google.protobuf import duration_pb2
 
 from ._ask import Move, Points
+from ._many import Moves, messages
 from ._operate import Operations
 from ._plan import Plan
 from ._status import refusals
@@ -51,6 +52,14 @@ def _duration(seconds: float | None) -> duration_pb2.Duration | None:
     return duration
 
 
+def _request(moves: Sequence[Move], family: str, order: int | None, short_path: str, synchronization: str,
+             minimum_duration: float | None, cycle_time: float | None, end_on_cycle: bool) -> pb.PlanRequest:
+    return pb.PlanRequest(
+        axes=[move.to_wire() for move in moves], family=f"PROFILE_FAMILY_{family}", order=order,
+        short_path_policy=f"SHORT_PATH_POLICY_{short_path}", synchronization=f"SYNCHRONIZATION_{synchronization}",
+        minimum_duration=_duration(minimum_duration), cycle_time=_duration(cycle_time), end_on_cycle=end_on_cycle)
+
+
 class Server(Operations):
     """A connection to a server, as ``Server("127.0.0.1:50051")``; with ``credentials`` of ``grpc``, encrypted.
 
@@ -77,12 +86,22 @@ class Server(Operations):
              synchronization: str = "TIME", minimum_duration: float | None = None, cycle_time: float | None = None,
              end_on_cycle: bool = False) -> Plan:
         """Plans a move of one axis or several. Choices are the names of the schema without their prefix."""
-        request = pb.PlanRequest(
-            axes=[move.to_wire() for move in moves], family=f"PROFILE_FAMILY_{family}", order=order,
-            short_path_policy=f"SHORT_PATH_POLICY_{short_path}", synchronization=f"SYNCHRONIZATION_{synchronization}",
-            minimum_duration=_duration(minimum_duration), cycle_time=_duration(cycle_time), end_on_cycle=end_on_cycle)
+        request = _request(moves, family, order, short_path, synchronization, minimum_duration, cycle_time, end_on_cycle)
         with refusals():
             return Plan(self._planner.Plan(request, timeout=self._timeout).plan)
+
+    def plan_many(self, like: Move, *, family: str = "S_CURVE", order: int | None = None, short_path: str = "REJECT",
+                  minimum_duration: float | None = None, cycle_time: float | None = None, end_on_cycle: bool = False,
+                  timeout: float | None = None, **columns: Sequence[float]) -> Moves:
+        """Plans many moves of one axis that are like ``like`` but for the numbers of columns, each with one for every move:
+        ``start_position``, ``start_velocity``, ``start_acceleration``, the same of ``goal``, ``max_velocity``,
+        ``max_acceleration``, ``max_jerk``, ``max_deceleration``, ``max_velocity_reverse`` and ``feed_rate``. What cannot be is in
+        ``Moves.refused``; what is wrong with all raises ``Refused``."""
+        request = _request([like], family, order, short_path, "TIME", minimum_duration, cycle_time, end_on_cycle)
+        asked = list(messages(request, columns))
+        with refusals():
+            answers = self._planner.PlanMany(iter(asked), timeout=timeout)
+            return Moves(request, columns, [answer.columns for answer in answers])
 
     def pvt(self, *axes: Points, policy: str = "PREFER_VELOCITY", interpolation: str = "S_SHAPED",
             finish_unreached: bool = False, cycle_time: float | None = None) -> Plan:

@@ -30,20 +30,30 @@ class Refused(Exception):
 def error_of(call: grpc.RpcError) -> Exception:
     """What a failed call means."""
     code, text = call.code(), call.details() or ""
-    reason, fields, metadata = "", [], {}
-    for key, value in call.trailing_metadata() or ():
-        if key != _DETAILS:
-            continue
-        status = status_pb2.Status.FromString(value)
-        for detail in status.details:
-            info, bad = error_details_pb2.ErrorInfo(), error_details_pb2.BadRequest()
-            if detail.Unpack(info):
-                reason, metadata = info.reason, dict(info.metadata)
-            elif detail.Unpack(bad):
-                fields = [(violation.field, violation.description) for violation in bad.field_violations]
+    details = [value for key, value in call.trailing_metadata() or () if key == _DETAILS]
+    reason, fields, metadata = _read(status_pb2.Status.FromString(details[0])) if details else ("", [], {})
     if not reason and code in (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.DEADLINE_EXCEEDED):
         return Unreachable(text)
     return Refused(code.name, reason or code.name, text, fields, metadata)
+
+
+def refused_of(serialised: bytes) -> Refused:
+    """What stands in the place of one of many that is refused."""
+    status = status_pb2.Status.FromString(serialised)
+    code = next((code.name for code in grpc.StatusCode if code.value[0] == status.code), str(status.code))
+    reason, fields, metadata = _read(status)
+    return Refused(code, reason or code, status.message, fields, metadata)
+
+
+def _read(status: status_pb2.Status) -> tuple[str, list[tuple[str, str]], dict[str, str]]:
+    reason, fields, metadata = "", [], {}
+    for detail in status.details:
+        info, bad = error_details_pb2.ErrorInfo(), error_details_pb2.BadRequest()
+        if detail.Unpack(info):
+            reason, metadata = info.reason, dict(info.metadata)
+        elif detail.Unpack(bad):
+            fields = [(violation.field, violation.description) for violation in bad.field_violations]
+    return reason, fields, metadata
 
 
 @contextlib.contextmanager

@@ -43,6 +43,42 @@ def test_what_is_drawn_is_what_is_sampled(server, family, order, more):
     assert cycles == plan.cycle_count + 1
 
 
+@pytest.mark.parametrize("family, order, more", [
+    ("S_CURVE", None, {}), ("TRAPEZOIDAL", None, {"jerk": 0.0}), ("TRIGONOMETRIC", None, {}),
+    ("POLYNOMIAL", 5, {"snap": 6000.0, "higher_derivatives": [8e5]}),
+])
+def test_many_moves_are_planned_in_columns(server, family, order, more):
+    limits = Limits(0.25, 3, **{"jerk": 100, **more})
+    goals, speeds = [0.05, math.nan, -0.2, 0.0], [0.25, 0.25, 0.1, 0.25]
+    moves = server.plan_many(Move("x", 0.0, limits), family=family, order=order, goal_position=goals, max_velocity=speeds)
+    assert len(moves) == 4 and list(moves.refused) == [1] and moves.durations[1] == 0.0
+    assert moves.refused[1].reason == "NOT_FINITE" and moves.refused[1].code == "INVALID_ARGUMENT"
+    assert moves.refused[1].fields[0][0] == "columns.goal_position[1]"
+    for index in (0, 2, 3):
+        alone = server.plan(Move("x", goals[index], Limits(speeds[index], 3, **{"jerk": 100, **more})), family=family, order=order)
+        plan = moves.plan(index)
+        assert plan.message.axes[0].segments == alone.message.axes[0].segments, "bit by bit"
+        assert plan.message.axes[0].limits == alone.message.axes[0].limits
+        assert moves.durations[index] == alone.duration and moves.cycle_counts[index] == alone.cycle_count
+        assert server.verify(plan) == alone.certificate
+    with pytest.raises(portamento.Refused):
+        moves.plan(1)
+
+
+def test_more_moves_than_a_message_takes_and_what_is_wrong_with_all(server, limits):
+    goals = [1e-5 * n for n in range(1, 5001)]
+    moves = server.plan_many(Move("x", 0.0, limits), goal_position=goals)
+    assert moves.durations == sorted(moves.durations) and len(moves) == 5000 and not moves.refused
+    assert moves.plan(4999).at(10.0)[0] == goals[-1]
+    with pytest.raises(portamento.Refused) as refused:
+        server.plan_many(Move("", 0.0, limits), goal_position=goals)
+    assert refused.value.fields[0][0] == "columns.like.axes[0].axis"
+    with pytest.raises(ValueError, match="other lengths"):
+        server.plan_many(Move("x", 0.0, limits), goal_position=goals, max_velocity=[1.0])
+    with pytest.raises(TypeError, match="no such column: goal"):
+        server.plan_many(Move("x", 0.0, limits), goal=goals)
+
+
 def test_several_axes_go_together(server, limits):
     plan = server.plan(Move("x", 0.05, limits), Move("c", 1.5, Limits(6, 40, 900), kind=portamento.Kind.REVOLUTE),
                        minimum_duration=0.8)

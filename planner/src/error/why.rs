@@ -219,6 +219,14 @@ pub enum Why {
     /// Nothing to move.
     #[error("is empty: give at least one axis")]
     NoAxes,
+    /// More than one axis for moves that are told in columns.
+    #[error(
+        "has {given} axes: the moves of columns are of one axis, so send columns for each, or requests where they go together"
+    )]
+    NotOneAxis {
+        /// How many were given.
+        given: usize,
+    },
     /// More axes than a plan holds.
     #[error("has {given} axes: a plan takes at most {allowed}, so split the request")]
     TooManyAxes {

@@ -212,6 +212,17 @@ impl Move {
         Setpoint::held(self.reached)
     }
 
+    /// Makes `profile` this motion, in the room that it has.
+    pub(crate) fn lay_into(&self, profile: &mut Profile) {
+        profile.begin_again(self.reached);
+        for &piece in &self.pieces {
+            match self.pulses {
+                Pulses::Rectangles => profile.push_jerk(piece.duration, piece.start, piece.jerk),
+                Pulses::Cosines => profile.push(&self.pulses.segment(piece)),
+            }
+        }
+    }
+
     /// The motion as a profile of its own.
     #[must_use]
     pub fn to_profile(&self) -> Profile {

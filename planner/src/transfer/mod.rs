@@ -146,7 +146,10 @@ fn note_goal(invalid: &mut InvalidFields, goal: &State, bounds: &Bounds, names: 
     }
     // A path is spelt only where there is something to say of it.
     if !inner.is_empty() {
-        invalid.extend_within(&Field::named("goal"), inner);
+        // A path is spelt only where there is something to say of it.
+        if !inner.is_empty() {
+            invalid.extend_within(&Field::named("goal"), inner);
+        }
     }
 }
 

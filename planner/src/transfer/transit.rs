@@ -281,6 +281,14 @@ impl Transit {
         Setpoint::held(self.goal)
     }
 
+    /// Makes `profile` this motion, in the room that it has.
+    pub(crate) fn lay_into(&self, profile: &mut Profile) {
+        profile.begin_again(self.goal);
+        for &Piece { duration, start, jerk } in &self.pieces {
+            profile.push_jerk(duration, start, jerk);
+        }
+    }
+
     /// The motion as a profile of its own.
     #[must_use]
     pub fn to_profile(&self) -> Profile {

@@ -8,11 +8,13 @@
 //! - `extremes`: how far a motion goes, against its limits; `joins`: how well its pieces meet
 //! - `led_back`: what it lets pass of a start beyond the limits; `recovery`: what that is led back by
 //! - `transfer`: the same for bounds with signs
+//! - `plain`: what passes at a glance, of many motions
 
 mod certificate;
 mod extremes;
 mod joins;
 mod led_back;
+mod plain;
 mod recovery;
 mod transfer;
 
@@ -21,11 +23,12 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use crate::plan::{AxisPlan, Plan};
-use crate::{AdjustmentReason, Family, Limits, MAX_ORDER, Profile, Quantity, State};
+use crate::{Adjustment, AdjustmentReason, Family, Limits, MAX_ORDER, Method, Profile, Quantity, State};
 use crate::{Alone, Workers};
 pub use certificate::{Certificate, EndCheck, JoinCheck, LimitCheck, Reversal, Violation};
 use extremes::{Extremes, Worst, settled};
 use joins::Jumps;
+pub(crate) use plain::is_plain;
 pub(crate) use recovery::{Recoveries, Recovery};
 pub use transfer::transfer_violations;
 
@@ -112,29 +115,38 @@ impl AxisPlan {
 
     /// The goal, but for what those adjustments say of it whose reason `counts`.
     pub(crate) fn goal_as_adjusted(&self, counts: impl Fn(AdjustmentReason) -> bool) -> State {
-        let mut state = self.goal;
-        for adjustment in self.adjustments.iter().filter(|adjustment| counts(adjustment.reason)) {
-            match adjustment.quantity {
-                Quantity::Position => state.position = adjustment.planned,
-                // The feed rate is a speed on the way.
-                Quantity::Velocity if adjustment.reason == AdjustmentReason::FeedRateAboveLimit => {}
-                Quantity::Velocity => state.velocity = adjustment.planned,
-                Quantity::Acceleration => state.acceleration = adjustment.planned,
-                Quantity::Jerk
-                | Quantity::Snap
-                | Quantity::Crackle
-                | Quantity::Pop
-                | Quantity::Lock
-                | Quantity::Drop
-                | Quantity::Time => {}
-            }
-        }
-        state
+        goal_as_adjusted(self.goal, self.adjustments.iter().filter(|adjustment| counts(adjustment.reason)))
     }
 }
 
+/// The goal, but for what adjustments say of it.
+pub(crate) fn goal_as_adjusted<'a>(
+    goal: State,
+    adjustments: impl IntoIterator<Item = &'a Adjustment>,
+) -> State {
+    let mut state = goal;
+    for adjustment in adjustments {
+        match adjustment.quantity {
+            Quantity::Position => state.position = adjustment.planned,
+            // The feed rate is a speed on the way.
+            Quantity::Velocity if adjustment.reason == AdjustmentReason::FeedRateAboveLimit => {}
+            Quantity::Velocity => state.velocity = adjustment.planned,
+            Quantity::Acceleration => state.acceleration = adjustment.planned,
+            Quantity::Jerk
+            | Quantity::Snap
+            | Quantity::Crackle
+            | Quantity::Pop
+            | Quantity::Lock
+            | Quantity::Drop
+            | Quantity::Time => {}
+        }
+    }
+    state
+}
+
 /// What a plan promises of each derivative, at the index of its order.
-struct Promise {
+#[derive(Clone, Debug)]
+pub(crate) struct Promise {
     /// It keeps its limit.
     limited: [bool; MAX_ORDER + 1],
     /// It does not jump.
@@ -145,12 +157,22 @@ struct Promise {
 
 impl Promise {
     fn of(plan: &Plan, recovery: Recovery) -> Self {
-        let mut promise = Self::keeping(plan.guaranteed());
+        Self::made_by(plan.method(), plan.guaranteed(), recovery)
+    }
+
+    /// Of a motion that is made by `method` and guarantees those derivatives.
+    fn made_by(method: Method, guaranteed: &[Quantity], recovery: Recovery) -> Self {
+        let mut promise = Self::keeping(guaranteed);
         // Each pulse begins and ends without jerk.
-        promise.joined[3] |= plan.method().family == Family::Trigonometric;
-        let leads_back = plan.method().family == Family::SCurve && plan.method().pvt.is_none();
+        promise.joined[3] |= method.family == Family::Trigonometric;
+        let leads_back = method.family == Family::SCurve && method.pvt.is_none();
         promise.leads_back = leads_back.then_some(recovery);
         promise
+    }
+
+    /// Of one axis by itself.
+    pub(crate) fn alone(method: Method, limits: &Limits) -> Self {
+        Self::made_by(method, method.promises(), Recovery::alone(limits))
     }
 
     fn keeping(guaranteed: &[Quantity]) -> Self {
@@ -248,6 +270,19 @@ impl Certificate {
     }
 }
 
+/// Everything that one axis's motion promises and does not keep.
+pub(crate) fn violations_of(
+    axis: &str,
+    profile: &Profile,
+    limits: &Limits,
+    goal: State,
+    promise: &Promise,
+) -> Vec<Violation> {
+    let mut certificate = Certificate::default();
+    certificate.judge(axis, profile, limits, goal, promise);
+    certificate.violations().collect()
+}
+
 fn parts(state: &State) -> [f64; 3] {
     [state.position, state.velocity, state.acceleration]
 }
@@ -256,10 +291,8 @@ fn parts(state: &State) -> [f64; 3] {
 /// and the end at `goal`. Empty: no objection.
 #[must_use]
 pub fn violations(profile: &Profile, limits: &Limits, goal: State) -> Vec<Violation> {
-    let mut certificate = Certificate::default();
     let promise = Promise::keeping(&[Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk]);
-    certificate.judge("", profile, limits, goal, &promise);
-    certificate.violations().collect()
+    violations_of("", profile, limits, goal, &promise)
 }
 
 /// The larger of two magnitudes; NaN where one is, so that what cannot be computed is not passed.

@@ -6,6 +6,7 @@
 mod certificate;
 mod choice;
 mod claims;
+mod columns;
 mod duration;
 mod field;
 mod limits;
@@ -21,6 +22,7 @@ mod stream;
 mod watched;
 
 pub use claims::misclassified;
+pub use columns::{MoveColumns, Moves, PlannedMove, PlannedMoves};
 pub use duration::malformed_duration;
 pub use field::{accepted_in, plan_as_it_is_in, plan_in, within};
 pub use many::{outcome_from_wire, outcome_to_wire};

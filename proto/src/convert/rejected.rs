@@ -131,7 +131,7 @@ fn reason(why: &Why) -> Reason {
         Why::UnknownAxis { .. } => Reason::UnknownAxis,
         Why::NoAxes => Reason::NoAxes,
         Why::NameEmpty | Why::NameControl { .. } | Why::NameTooLong { .. } => Reason::NameInvalid,
-        Why::TooManyAxes { .. } => Reason::TooManyAxes,
+        Why::TooManyAxes { .. } | Why::NotOneAxis { .. } => Reason::TooManyAxes,
         Why::TooManySegments { .. } => Reason::TooManySegments,
         Why::TooManyCycles { .. } => Reason::TooManyCycles,
         Why::CycleTime { .. } => Reason::CycleTimeInvalid,
@@ -205,6 +205,9 @@ fn with_figures(rejected: Rejected, why: &Why) -> Rejected {
         }
         Why::Misstated { given, correct } | Why::FingerprintMismatch { given, correct } => {
             vec![("needed", correct.clone()), ("given", given.clone())]
+        }
+        Why::NotOneAxis { given } => {
+            vec![("given", given.to_string()), ("allowed", "1".to_owned())]
         }
         Why::TooManyAxes { given, allowed } | Why::TooManySegments { given, allowed } => {
             vec![("given", given.to_string()), ("allowed", allowed.to_string())]

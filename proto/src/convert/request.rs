@@ -52,6 +52,12 @@ impl From<pb::PlanRequest> for RequestSpec {
 /// # Errors
 /// Those of [`Request::try_from`]; [`Why::DurationParts`] of a cycle time or a least duration.
 pub fn plan_request_from_wire(wire: pb::PlanRequest) -> Result<Request, InvalidFields> {
+    let (malformed, spec) = spec_from_wire(wire);
+    after(malformed, spec.try_into())
+}
+
+/// The request on the wire, not yet checked but for its durations: what is wrong with those comes first.
+pub(super) fn spec_from_wire(wire: pb::PlanRequest) -> (InvalidFields, RequestSpec) {
     let mut malformed = InvalidFields::default();
     note_malformed(&mut malformed, "minimum_duration", wire.minimum_duration.as_ref());
     note_malformed(&mut malformed, "cycle_time", wire.cycle_time.as_ref());
@@ -59,7 +65,7 @@ pub fn plan_request_from_wire(wire: pb::PlanRequest) -> Result<Request, InvalidF
     let sound = |duration: &prost_types::Duration| malformed_duration(duration).is_none();
     let cycle_time = wire.cycle_time.filter(sound);
     let minimum_duration = wire.minimum_duration.filter(sound);
-    after(malformed, RequestSpec::from(pb::PlanRequest { cycle_time, minimum_duration, ..wire }).try_into())
+    (malformed, RequestSpec::from(pb::PlanRequest { cycle_time, minimum_duration, ..wire }))
 }
 
 impl From<AxisMoveSpec> for pb::AxisMove {

@@ -175,6 +175,10 @@ pub struct PlanManyRequest {
     /// How much is wanted of each plan. Unset: FULL.
     #[prost(enumeration = "PlanDetail", tag = "2")]
     pub detail: i32,
+    /// Moves of one axis in columns. Not beside requests: a message with both ends the stream with
+    /// PROTOCOL_ORDER.
+    #[prost(message, optional, tag = "3")]
+    pub columns: ::core::option::Option<MoveColumns>,
 }
 impl ::prost::Name for PlanManyRequest {
     const NAME: &'static str = "PlanManyRequest";
@@ -186,12 +190,78 @@ impl ::prost::Name for PlanManyRequest {
         "/motion.v1.PlanManyRequest".into()
     }
 }
+/// Many moves of one axis: what all have in common is said once, and what differs stands in packed
+/// columns. A column has a number for each move, in their order, or none where like holds for all; the
+/// moves are as many as the longest column has numbers, and at most as many as the server takes
+/// requests in a message. Each move is planned and judged as Plan does it with like, in which the
+/// numbers of the columns have taken their places; numbers have the ranges that they have there.
+///
+/// What is wrong with all moves ends the stream: LENGTH_MISMATCH of columns of different lengths,
+/// FIELD_MISSING without like, NO_AXES or TOO_MANY_AXES of a like that has not one axis, and whatever
+/// else Plan has against it besides the start, the goal and the limits. What is wrong with one move is
+/// said in its place.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct MoveColumns {
+    /// What all have in common. Needed, with one axis; its start, goal and limits may be left out where
+    /// columns give them.
+    #[prost(message, optional, tag = "1")]
+    pub like: ::core::option::Option<PlanRequest>,
+    /// Where each begins \[u\].
+    #[prost(double, repeated, tag = "2")]
+    pub start_position: ::prost::alloc::vec::Vec<f64>,
+    /// With which velocity \[u/s\].
+    #[prost(double, repeated, tag = "3")]
+    pub start_velocity: ::prost::alloc::vec::Vec<f64>,
+    /// With which acceleration \[u/s^2\].
+    #[prost(double, repeated, tag = "4")]
+    pub start_acceleration: ::prost::alloc::vec::Vec<f64>,
+    /// Where each ends \[u\].
+    #[prost(double, repeated, tag = "5")]
+    pub goal_position: ::prost::alloc::vec::Vec<f64>,
+    /// With which velocity \[u/s\].
+    #[prost(double, repeated, tag = "6")]
+    pub goal_velocity: ::prost::alloc::vec::Vec<f64>,
+    /// With which acceleration \[u/s^2\].
+    #[prost(double, repeated, tag = "7")]
+    pub goal_acceleration: ::prost::alloc::vec::Vec<f64>,
+    /// Greatest speed \[u/s\], > 0.
+    #[prost(double, repeated, tag = "8")]
+    pub max_velocity: ::prost::alloc::vec::Vec<f64>,
+    /// Greatest acceleration while speed grows \[u/s^2\], > 0.
+    #[prost(double, repeated, tag = "9")]
+    pub max_acceleration: ::prost::alloc::vec::Vec<f64>,
+    /// Greatest jerk \[u/s^3\], > 0.
+    #[prost(double, repeated, tag = "10")]
+    pub max_jerk: ::prost::alloc::vec::Vec<f64>,
+    /// Greatest acceleration while speed shrinks \[u/s^2\], > 0.
+    #[prost(double, repeated, tag = "11")]
+    pub max_deceleration: ::prost::alloc::vec::Vec<f64>,
+    /// Greatest speed towards falling positions \[u/s\], >= 0.
+    #[prost(double, repeated, tag = "12")]
+    pub max_velocity_reverse: ::prost::alloc::vec::Vec<f64>,
+    /// Speed asked for along the move \[u/s\], > 0.
+    #[prost(double, repeated, tag = "13")]
+    pub feed_rate: ::prost::alloc::vec::Vec<f64>,
+}
+impl ::prost::Name for MoveColumns {
+    const NAME: &'static str = "MoveColumns";
+    const PACKAGE: &'static str = "motion.v1";
+    fn full_name() -> ::prost::alloc::string::String {
+        "motion.v1.MoveColumns".into()
+    }
+    fn type_url() -> ::prost::alloc::string::String {
+        "/motion.v1.MoveColumns".into()
+    }
+}
 /// The answer to one message of PlanMany.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct PlanManyResponse {
     /// What became of each request, in their order and as many.
     #[prost(message, repeated, tag = "1")]
     pub outcomes: ::prost::alloc::vec::Vec<PlanOutcome>,
+    /// What became of each move, of a message of columns.
+    #[prost(message, optional, tag = "2")]
+    pub columns: ::core::option::Option<PlanColumns>,
 }
 impl ::prost::Name for PlanManyResponse {
     const NAME: &'static str = "PlanManyResponse";
@@ -201,6 +271,132 @@ impl ::prost::Name for PlanManyResponse {
     }
     fn type_url() -> ::prost::alloc::string::String {
         "/motion.v1.PlanManyResponse".into()
+    }
+}
+/// What became of the moves of a MoveColumns. Each that is planned has passed the judge: a plan that
+/// he rejects is none, and refused with PLAN_REJECTED. It ends in its goal, but for what adjustments
+/// say.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct PlanColumns {
+    /// Version of the planner that made the plans; informs.
+    #[prost(string, tag = "1")]
+    pub planner_version: ::prost::alloc::string::String,
+    /// Names the bits that the plans sample to.
+    #[prost(uint32, tag = "2")]
+    pub evaluation_version: u32,
+    /// How long each move lasts \[s\], >= 0; 0 of one that is refused.
+    #[prost(double, repeated, tag = "3")]
+    pub duration: ::prost::alloc::vec::Vec<f64>,
+    /// The cycle in which each has ended, counted from 0; 0 of one that is refused.
+    #[prost(uint64, repeated, tag = "4")]
+    pub cycle_count: ::prost::alloc::vec::Vec<u64>,
+    /// How many segments each has. None: it stands still, passes through at constant velocity, or is
+    /// refused.
+    #[prost(uint32, repeated, tag = "5")]
+    pub segment_count: ::prost::alloc::vec::Vec<u32>,
+    /// The segments of all moves, move after move.
+    #[prost(message, optional, tag = "6")]
+    pub segments: ::core::option::Option<SegmentColumns>,
+    /// The moves that are refused, in their order.
+    #[prost(message, repeated, tag = "7")]
+    pub refusals: ::prost::alloc::vec::Vec<plan_columns::RefusedMove>,
+    /// What was changed from what was asked, in the order of the moves.
+    #[prost(message, repeated, tag = "8")]
+    pub adjustments: ::prost::alloc::vec::Vec<plan_columns::AdjustedMove>,
+}
+/// Nested message and enum types in `PlanColumns`.
+pub mod plan_columns {
+    /// Why there is no plan.
+    #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+    pub struct RefusedMove {
+        /// Which of the moves, counted from 0.
+        #[prost(uint32, tag = "1")]
+        pub index: u32,
+        /// A google.rpc.Status, serialised as in the trailer grpc-status-details-bin, with the details that
+        /// Plan refuses with and nothing shortened. Paths of fields say where the number stands in the message:
+        /// columns.goal_position\[17\], or columns.like.axes\[0\].goal.position where that column is empty.
+        #[prost(bytes = "vec", tag = "2")]
+        pub refusal: ::prost::alloc::vec::Vec<u8>,
+    }
+    impl ::prost::Name for RefusedMove {
+        const NAME: &'static str = "RefusedMove";
+        const PACKAGE: &'static str = "motion.v1";
+        fn full_name() -> ::prost::alloc::string::String {
+            "motion.v1.PlanColumns.RefusedMove".into()
+        }
+        fn type_url() -> ::prost::alloc::string::String {
+            "/motion.v1.PlanColumns.RefusedMove".into()
+        }
+    }
+    /// One condition of one move that was not kept as asked.
+    #[derive(Clone, PartialEq, ::prost::Message)]
+    pub struct AdjustedMove {
+        /// Which of the moves, counted from 0.
+        #[prost(uint32, tag = "1")]
+        pub index: u32,
+        /// What of it.
+        #[prost(message, optional, tag = "2")]
+        pub adjustment: ::core::option::Option<super::Adjustment>,
+    }
+    impl ::prost::Name for AdjustedMove {
+        const NAME: &'static str = "AdjustedMove";
+        const PACKAGE: &'static str = "motion.v1";
+        fn full_name() -> ::prost::alloc::string::String {
+            "motion.v1.PlanColumns.AdjustedMove".into()
+        }
+        fn type_url() -> ::prost::alloc::string::String {
+            "/motion.v1.PlanColumns.AdjustedMove".into()
+        }
+    }
+}
+impl ::prost::Name for PlanColumns {
+    const NAME: &'static str = "PlanColumns";
+    const PACKAGE: &'static str = "motion.v1";
+    fn full_name() -> ::prost::alloc::string::String {
+        "motion.v1.PlanColumns".into()
+    }
+    fn type_url() -> ::prost::alloc::string::String {
+        "/motion.v1.PlanColumns".into()
+    }
+}
+/// Segments, as packed columns with a number for each of them. The law follows from the family: constant
+/// jerk of S_CURVE and TRAPEZOIDAL, a raised cosine or no jerk of TRIGONOMETRIC, derivatives of POLYNOMIAL.
+///
+/// With detail MOTION position, velocity and acceleration are left out, since they follow from the state in
+/// which a move starts, but for the acceleration of TRAPEZOIDAL, which jumps.
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct SegmentColumns {
+    /// Length in time \[s\], > 0.
+    #[prost(double, repeated, tag = "1")]
+    pub duration: ::prost::alloc::vec::Vec<f64>,
+    /// Where each begins \[u\].
+    #[prost(double, repeated, tag = "2")]
+    pub position: ::prost::alloc::vec::Vec<f64>,
+    /// With which velocity \[u/s\].
+    #[prost(double, repeated, tag = "3")]
+    pub velocity: ::prost::alloc::vec::Vec<f64>,
+    /// With which acceleration \[u/s^2\].
+    #[prost(double, repeated, tag = "4")]
+    pub acceleration: ::prost::alloc::vec::Vec<f64>,
+    /// The constant jerk, or the peak of a raised cosine \[u/s^3\]. Empty of POLYNOMIAL.
+    #[prost(double, repeated, tag = "5")]
+    pub jerk: ::prost::alloc::vec::Vec<f64>,
+    /// Of POLYNOMIAL: how many derivatives are told of each, from jerk on; one is a constant jerk. Else
+    /// empty.
+    #[prost(uint32, repeated, tag = "6")]
+    pub derivative_count: ::prost::alloc::vec::Vec<u32>,
+    /// Of POLYNOMIAL: those of all segments, segment after segment, at the start of each \[u/s^3, u/s^4, ...\].
+    #[prost(double, repeated, tag = "7")]
+    pub derivatives: ::prost::alloc::vec::Vec<f64>,
+}
+impl ::prost::Name for SegmentColumns {
+    const NAME: &'static str = "SegmentColumns";
+    const PACKAGE: &'static str = "motion.v1";
+    fn full_name() -> ::prost::alloc::string::String {
+        "motion.v1.SegmentColumns".into()
+    }
+    fn type_url() -> ::prost::alloc::string::String {
+        "/motion.v1.SegmentColumns".into()
     }
 }
 /// What became of one request of many.
@@ -1338,7 +1534,9 @@ pub mod planner_service_client {
         /// read from for long, so write and read at the same time. The stream ends when its caller has
         /// closed his side and all is answered; early with TOO_MANY_PLANS, MESSAGE_TOO_LARGE (of an answer,
         /// too), KIND_UNSPECIFIED of a detail that is not known, OVERLOADED, STREAM_IDLE, and DRAINING once
-        /// the server leaves: what was answered before holds, and the rest may be asked elsewhere.
+        /// the server leaves: what was answered before holds, and the rest may be asked elsewhere. Moves of
+        /// one axis that differ in a few numbers are asked and answered as columns, for a fraction of the cost:
+        /// see MoveColumns, which also says what of them ends the stream.
         pub async fn plan_many(
             &mut self,
             request: impl tonic::IntoStreamingRequest<Message = super::PlanManyRequest>,
@@ -1470,7 +1668,9 @@ pub mod planner_service_server {
         /// read from for long, so write and read at the same time. The stream ends when its caller has
         /// closed his side and all is answered; early with TOO_MANY_PLANS, MESSAGE_TOO_LARGE (of an answer,
         /// too), KIND_UNSPECIFIED of a detail that is not known, OVERLOADED, STREAM_IDLE, and DRAINING once
-        /// the server leaves: what was answered before holds, and the rest may be asked elsewhere.
+        /// the server leaves: what was answered before holds, and the rest may be asked elsewhere. Moves of
+        /// one axis that differ in a few numbers are asked and answered as columns, for a fraction of the cost:
+        /// see MoveColumns, which also says what of them ends the stream.
         async fn plan_many(
             &self,
             request: tonic::Request<tonic::Streaming<super::PlanManyRequest>>,

@@ -1,7 +1,9 @@
-//! `PlanMany`: message after message of requests, each answered as a whole, in its turn.
+//! `PlanMany`: message after message of requests or of columns, each answered as a whole, in its turn.
+
+use std::time::Instant;
 
 use prost::Message as _;
-use proto::{Detail, Reason, Rejected, outcome_to_wire, pb};
+use proto::{Detail, Moves, Reason, Rejected, outcome_to_wire, pb};
 use serving::{Leaving, Refusals};
 use tokio::sync::mpsc;
 use tonic::{Status, Streaming};
@@ -17,6 +19,12 @@ const AHEAD: usize = 2;
 /// From this many axes on, a message takes longer to answer than the streams of this process may wait: about half a
 /// millisecond.
 const LONG: usize = 64;
+
+/// The same of moves in columns, which are numbers: about half a microsecond each.
+const LONG_COLUMNS: usize = 1024;
+
+/// After so many moves it is asked again whether anybody still waits for them.
+const ASKS_AFTER: usize = 256;
 
 type Incoming = Streaming<pb::PlanManyRequest>;
 type Outgoing = mpsc::Sender<Result<pb::PlanManyResponse, Status>>;
@@ -68,9 +76,12 @@ impl Many {
         message: pb::PlanManyRequest,
         outgoing: &Outgoing,
     ) -> Result<pb::PlanManyResponse, Status> {
-        let pb::PlanManyRequest { requests, detail } = message;
-        self.limits.admit_plans(requests.len())?;
+        let pb::PlanManyRequest { requests, detail, columns } = message;
+        self.limits.admit_plans("requests", requests.len())?;
         let detail = Detail::from_wire(detail).map_err(Rejected::from)?;
+        if let Some(columns) = columns {
+            return self.columns(&requests, columns, detail, outgoing).await;
+        }
         if requests.iter().map(|request| request.axes.len()).sum::<usize>() < LONG {
             return Ok(self.outcomes(requests, detail, outgoing)?);
         }
@@ -103,8 +114,55 @@ impl Many {
             }
             outcomes.push(outcome);
         }
-        Ok(pb::PlanManyResponse { outcomes })
+        Ok(pb::PlanManyResponse { outcomes, columns: None })
     }
+
+    async fn columns(
+        &self,
+        requests: &[pb::PlanRequest],
+        columns: pb::MoveColumns,
+        detail: Detail,
+        outgoing: &Outgoing,
+    ) -> Result<pb::PlanManyResponse, Status> {
+        if !requests.is_empty() {
+            return Err(both(requests.len()).into());
+        }
+        let moves = Moves::from_wire(columns, detail, |count| self.limits.admit_plans("columns", count))?;
+        let long = if moves.are_long() { LONG } else { LONG_COLUMNS };
+        if moves.len() < long {
+            return Ok(self.moved(moves, outgoing)?);
+        }
+        let (this, outgoing) = (self.clone(), outgoing.clone());
+        self.aside.run(move || this.moved(moves, &outgoing)).await
+    }
+
+    /// Plans the moves of columns, for as long as there is somebody who waits for them and the answer may still be sent.
+    fn moved(&self, mut moves: Moves, outgoing: &Outgoing) -> Result<pb::PlanManyResponse, Rejected> {
+        let (begun, family) = (Instant::now(), moves.family());
+        let (mut done, mut planned) = (0, 0);
+        while let Some(outcome) = moves.plan_next() {
+            match outcome {
+                Ok(()) => planned += 1,
+                Err(reason) => self.refusals.count(reason),
+            }
+            done += 1;
+            if moves.bytes() > self.most_bytes {
+                return Err(too_large(done - 1, self.most_bytes));
+            }
+            if done % ASKS_AFTER == 0 && outgoing.is_closed() {
+                break;
+            }
+        }
+        self.figures.planned_many(family, planned, begun.elapsed());
+        Ok(pb::PlanManyResponse { outcomes: Vec::new(), columns: Some(moves.into_wire()) })
+    }
+}
+
+/// A message is one or the other: in which order would it be answered?
+fn both(requests: usize) -> Rejected {
+    let text =
+        format!("stands beside {requests} requests: send them in messages of their own, on the same stream");
+    Rejected::for_field("columns", Reason::ProtocolOrder, text)
 }
 
 /// Found out before all of it is planned: what may not be sent is not to be held in memory either.

@@ -1,5 +1,5 @@
 //! How many plans a second one server process gives on this machine, the asking side included: empty calls of the sizes of `Plan`
-//! through the same layers, `Plan` itself, and `PlanMany`.
+//! through the same layers, `Plan` itself, `PlanMany`, and `PlanMany` in columns.
 //!
 //! `cargo build --release --workspace --bins && target/release/portamento-plans`
 
@@ -18,7 +18,7 @@ use client::Client;
 use e2e::{Process, cpu, fifty_millimetres};
 use prost::Message;
 use proto::pb::planner_service_client::PlannerServiceClient;
-use proto::{Detail, pb, plan_to_wire};
+use proto::{Detail, MoveColumns, pb, plan_to_wire};
 use serde_json::{Value, json};
 use tonic::body::Body;
 use tonic::codegen::{Service, http};
@@ -45,6 +45,12 @@ struct Args {
     /// Requests in a message of PlanMany.
     #[arg(long, default_value_t = 256, value_name = "COUNT")]
     per_message: usize,
+    /// Moves in a message of columns.
+    #[arg(long, default_value_t = 4096, value_name = "COUNT")]
+    per_columns: usize,
+    /// Measure columns alone.
+    #[arg(long)]
+    columns: bool,
     /// Print the results as JSON.
     #[arg(long)]
     json: bool,
@@ -164,33 +170,44 @@ fn run(args: &Args) -> Result<Vec<Value>, Failed> {
     command.args(["--serve-empty", &answer.encoded_len().to_string()]);
     let empty = Process::start(command)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
-    let mut all: [Measured; 4] = Default::default();
+    let mut all: [Measured; 6] = Default::default();
     runtime.block_on(async {
         let client = Client::connect(&planner.endpoint).await?;
         let calls = client::Connect::new().channel(&planner.endpoint).await?;
         let empties = client::Connect::new().channel(&empty.endpoint).await?;
         let filling = Filling::of(request.encoded_len());
+        let moves = moves(args.per_columns);
         for _ in 0..args.rounds {
+            let server = planner.child.id();
+            in_columns(args, server, &mut all[4], &client, &moves, Detail::Full).await?;
+            in_columns(args, server, &mut all[5], &client, &moves, Detail::Motion).await?;
+            if args.columns {
+                continue;
+            }
             let ask = || ask_empty(empties.clone(), filling.clone());
             calling(args, empty.child.id(), &mut all[0], ask).await?;
             let ask = || ask_plan(calls.clone(), request.clone());
-            calling(args, planner.child.id(), &mut all[1], ask).await?;
-            streaming(args, planner.child.id(), &mut all[2], &client, Detail::Full).await?;
-            streaming(args, planner.child.id(), &mut all[3], &client, Detail::Motion).await?;
+            calling(args, server, &mut all[1], ask).await?;
+            streaming(args, server, &mut all[2], &client, Detail::Full).await?;
+            streaming(args, server, &mut all[3], &client, Detail::Motion).await?;
         }
         Ok::<_, Failed>(())
     })?;
-    let names = ["empty", "Plan", "PlanMany", "PlanMany, MOTION"];
+    let names = ["empty", "Plan", "PlanMany", "PlanMany, MOTION", "columns", "columns, MOTION"];
     let rate = |measured: &Measured| measured.plans as f64 / measured.seconds;
     let of_empty = rate(&all[0]);
-    let rows = all.iter_mut().zip(names).map(|(measured, name)| {
+    let measured = all.iter_mut().zip(names).filter(|(measured, _)| measured.plans > 0);
+    let rows = measured.map(|(measured, name)| {
         let (rate, times) = (rate(measured), &mut measured.times);
         times.sort_unstable();
         let at = |share: f64| {
             Some(f64::from(*times.get(((times.len().max(1) - 1) as f64 * share) as usize)?) / 1e3)
         };
         json!({
-            "name": name, "perSecond": rate, "ofEmpty": rate / of_empty,
+            "name": name, "perSecond": rate, "ofEmpty": Some(rate / of_empty).filter(|ratio| ratio.is_finite()),
+            "perCoreSecond": measured.plans as f64 / (measured.server + measured.asking),
+            "serverCpuNsEach": 1e9 * measured.server / measured.plans as f64,
+            "askingCpuNsEach": 1e9 * measured.asking / measured.plans as f64,
             "serverCpu": measured.server / measured.seconds, "askingCpu": measured.asking / measured.seconds,
             "p50Us": at(0.5), "p99Us": at(0.99), "p999Us": at(0.999),
             "requestBytes": request.encoded_len(), "answerBytes": answer.encoded_len(),
@@ -270,6 +287,50 @@ async fn streaming(
     count(into, server, begun, used)
 }
 
+/// One axis from wherever to wherever: each move another one.
+fn moves(count: usize) -> MoveColumns {
+    let places = |factor: f64| (0..count).map(|index| (index as f64 * factor).sin()).collect();
+    MoveColumns {
+        start_position: places(0.7),
+        goal_position: places(1.1),
+        ..MoveColumns::like(fifty_millimetres())
+    }
+}
+
+/// As [`streaming`], in columns: every duration is read, and every number of every piece decoded.
+async fn in_columns(
+    args: &Args,
+    server: u32,
+    into: &mut Measured,
+    client: &Client,
+    moves: &MoveColumns,
+    detail: Detail,
+) -> Result<(), Failed> {
+    let until = Instant::now() + Duration::from_secs(args.seconds);
+    let (begun, used) = (Instant::now(), [cpu(server)?, cpu(std::process::id())?]);
+    let mut streams = tokio::task::JoinSet::new();
+    for _ in 0..args.streams {
+        let (asking, mut answers) = client.plan_many(detail).await?;
+        let moves = moves.clone();
+        tokio::spawn(async move {
+            while Instant::now() < until
+                && asking.ask_columns(moves.clone()).await.is_ok_and(|goes_on| goes_on)
+            {}
+        });
+        streams.spawn(async move {
+            let mut plans = 0;
+            while let Some(planned) = answers.next_columns().await? {
+                plans += planned.durations().iter().filter(|duration| **duration > 0.0).count() as u64;
+            }
+            Ok::<u64, client::Error>(plans)
+        });
+    }
+    while let Some(plans) = streams.join_next().await {
+        into.plans += plans??;
+    }
+    count(into, server, begun, used)
+}
+
 fn count(into: &mut Measured, server: u32, begun: Instant, used: [f64; 2]) -> Result<(), Failed> {
     into.seconds += begun.elapsed().as_secs_f64();
     into.server += cpu(server)? - used[0];
@@ -282,10 +343,11 @@ fn print_row(row: &Value) {
     // Of streams nothing is timed.
     let time = |key: &str| row[key].as_f64().map_or_else(|| "-".to_owned(), |time| format!("{time:.0}"));
     println!(
-        "{:<18} {:>10.0}/s {:>6.2} of empty  p50 {:>7} p99 {:>7} p99.9 {:>7} us  CPU {:>5.2} server {:>5.2} asking",
+        "{:<18} {:>10.0}/s {:>8} of empty {:>9.0} per core-second  p50 {:>7} p99 {:>7} p99.9 {:>7} us  CPU {:>5.2} server {:>5.2} asking",
         row["name"].as_str().unwrap_or_default(),
         number("perSecond"),
-        number("ofEmpty"),
+        row["ofEmpty"].as_f64().map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.2}")),
+        number("perCoreSecond"),
         time("p50Us"),
         time("p99Us"),
         time("p999Us"),

@@ -191,18 +191,104 @@ class PlanResponse(_message.Message):
     def __init__(self, plan: _Optional[_Union[Plan, _Mapping]] = ...) -> None: ...
 
 class PlanManyRequest(_message.Message):
-    __slots__ = ("requests", "detail")
+    __slots__ = ("requests", "detail", "columns")
     REQUESTS_FIELD_NUMBER: _ClassVar[int]
     DETAIL_FIELD_NUMBER: _ClassVar[int]
+    COLUMNS_FIELD_NUMBER: _ClassVar[int]
     requests: _containers.RepeatedCompositeFieldContainer[PlanRequest]
     detail: PlanDetail
-    def __init__(self, requests: _Optional[_Iterable[_Union[PlanRequest, _Mapping]]] = ..., detail: _Optional[_Union[PlanDetail, str]] = ...) -> None: ...
+    columns: MoveColumns
+    def __init__(self, requests: _Optional[_Iterable[_Union[PlanRequest, _Mapping]]] = ..., detail: _Optional[_Union[PlanDetail, str]] = ..., columns: _Optional[_Union[MoveColumns, _Mapping]] = ...) -> None: ...
+
+class MoveColumns(_message.Message):
+    __slots__ = ("like", "start_position", "start_velocity", "start_acceleration", "goal_position", "goal_velocity", "goal_acceleration", "max_velocity", "max_acceleration", "max_jerk", "max_deceleration", "max_velocity_reverse", "feed_rate")
+    LIKE_FIELD_NUMBER: _ClassVar[int]
+    START_POSITION_FIELD_NUMBER: _ClassVar[int]
+    START_VELOCITY_FIELD_NUMBER: _ClassVar[int]
+    START_ACCELERATION_FIELD_NUMBER: _ClassVar[int]
+    GOAL_POSITION_FIELD_NUMBER: _ClassVar[int]
+    GOAL_VELOCITY_FIELD_NUMBER: _ClassVar[int]
+    GOAL_ACCELERATION_FIELD_NUMBER: _ClassVar[int]
+    MAX_VELOCITY_FIELD_NUMBER: _ClassVar[int]
+    MAX_ACCELERATION_FIELD_NUMBER: _ClassVar[int]
+    MAX_JERK_FIELD_NUMBER: _ClassVar[int]
+    MAX_DECELERATION_FIELD_NUMBER: _ClassVar[int]
+    MAX_VELOCITY_REVERSE_FIELD_NUMBER: _ClassVar[int]
+    FEED_RATE_FIELD_NUMBER: _ClassVar[int]
+    like: PlanRequest
+    start_position: _containers.RepeatedScalarFieldContainer[float]
+    start_velocity: _containers.RepeatedScalarFieldContainer[float]
+    start_acceleration: _containers.RepeatedScalarFieldContainer[float]
+    goal_position: _containers.RepeatedScalarFieldContainer[float]
+    goal_velocity: _containers.RepeatedScalarFieldContainer[float]
+    goal_acceleration: _containers.RepeatedScalarFieldContainer[float]
+    max_velocity: _containers.RepeatedScalarFieldContainer[float]
+    max_acceleration: _containers.RepeatedScalarFieldContainer[float]
+    max_jerk: _containers.RepeatedScalarFieldContainer[float]
+    max_deceleration: _containers.RepeatedScalarFieldContainer[float]
+    max_velocity_reverse: _containers.RepeatedScalarFieldContainer[float]
+    feed_rate: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, like: _Optional[_Union[PlanRequest, _Mapping]] = ..., start_position: _Optional[_Iterable[float]] = ..., start_velocity: _Optional[_Iterable[float]] = ..., start_acceleration: _Optional[_Iterable[float]] = ..., goal_position: _Optional[_Iterable[float]] = ..., goal_velocity: _Optional[_Iterable[float]] = ..., goal_acceleration: _Optional[_Iterable[float]] = ..., max_velocity: _Optional[_Iterable[float]] = ..., max_acceleration: _Optional[_Iterable[float]] = ..., max_jerk: _Optional[_Iterable[float]] = ..., max_deceleration: _Optional[_Iterable[float]] = ..., max_velocity_reverse: _Optional[_Iterable[float]] = ..., feed_rate: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class PlanManyResponse(_message.Message):
-    __slots__ = ("outcomes",)
+    __slots__ = ("outcomes", "columns")
     OUTCOMES_FIELD_NUMBER: _ClassVar[int]
+    COLUMNS_FIELD_NUMBER: _ClassVar[int]
     outcomes: _containers.RepeatedCompositeFieldContainer[PlanOutcome]
-    def __init__(self, outcomes: _Optional[_Iterable[_Union[PlanOutcome, _Mapping]]] = ...) -> None: ...
+    columns: PlanColumns
+    def __init__(self, outcomes: _Optional[_Iterable[_Union[PlanOutcome, _Mapping]]] = ..., columns: _Optional[_Union[PlanColumns, _Mapping]] = ...) -> None: ...
+
+class PlanColumns(_message.Message):
+    __slots__ = ("planner_version", "evaluation_version", "duration", "cycle_count", "segment_count", "segments", "refusals", "adjustments")
+    class RefusedMove(_message.Message):
+        __slots__ = ("index", "refusal")
+        INDEX_FIELD_NUMBER: _ClassVar[int]
+        REFUSAL_FIELD_NUMBER: _ClassVar[int]
+        index: int
+        refusal: bytes
+        def __init__(self, index: _Optional[int] = ..., refusal: _Optional[bytes] = ...) -> None: ...
+    class AdjustedMove(_message.Message):
+        __slots__ = ("index", "adjustment")
+        INDEX_FIELD_NUMBER: _ClassVar[int]
+        ADJUSTMENT_FIELD_NUMBER: _ClassVar[int]
+        index: int
+        adjustment: Adjustment
+        def __init__(self, index: _Optional[int] = ..., adjustment: _Optional[_Union[Adjustment, _Mapping]] = ...) -> None: ...
+    PLANNER_VERSION_FIELD_NUMBER: _ClassVar[int]
+    EVALUATION_VERSION_FIELD_NUMBER: _ClassVar[int]
+    DURATION_FIELD_NUMBER: _ClassVar[int]
+    CYCLE_COUNT_FIELD_NUMBER: _ClassVar[int]
+    SEGMENT_COUNT_FIELD_NUMBER: _ClassVar[int]
+    SEGMENTS_FIELD_NUMBER: _ClassVar[int]
+    REFUSALS_FIELD_NUMBER: _ClassVar[int]
+    ADJUSTMENTS_FIELD_NUMBER: _ClassVar[int]
+    planner_version: str
+    evaluation_version: int
+    duration: _containers.RepeatedScalarFieldContainer[float]
+    cycle_count: _containers.RepeatedScalarFieldContainer[int]
+    segment_count: _containers.RepeatedScalarFieldContainer[int]
+    segments: SegmentColumns
+    refusals: _containers.RepeatedCompositeFieldContainer[PlanColumns.RefusedMove]
+    adjustments: _containers.RepeatedCompositeFieldContainer[PlanColumns.AdjustedMove]
+    def __init__(self, planner_version: _Optional[str] = ..., evaluation_version: _Optional[int] = ..., duration: _Optional[_Iterable[float]] = ..., cycle_count: _Optional[_Iterable[int]] = ..., segment_count: _Optional[_Iterable[int]] = ..., segments: _Optional[_Union[SegmentColumns, _Mapping]] = ..., refusals: _Optional[_Iterable[_Union[PlanColumns.RefusedMove, _Mapping]]] = ..., adjustments: _Optional[_Iterable[_Union[PlanColumns.AdjustedMove, _Mapping]]] = ...) -> None: ...
+
+class SegmentColumns(_message.Message):
+    __slots__ = ("duration", "position", "velocity", "acceleration", "jerk", "derivative_count", "derivatives")
+    DURATION_FIELD_NUMBER: _ClassVar[int]
+    POSITION_FIELD_NUMBER: _ClassVar[int]
+    VELOCITY_FIELD_NUMBER: _ClassVar[int]
+    ACCELERATION_FIELD_NUMBER: _ClassVar[int]
+    JERK_FIELD_NUMBER: _ClassVar[int]
+    DERIVATIVE_COUNT_FIELD_NUMBER: _ClassVar[int]
+    DERIVATIVES_FIELD_NUMBER: _ClassVar[int]
+    duration: _containers.RepeatedScalarFieldContainer[float]
+    position: _containers.RepeatedScalarFieldContainer[float]
+    velocity: _containers.RepeatedScalarFieldContainer[float]
+    acceleration: _containers.RepeatedScalarFieldContainer[float]
+    jerk: _containers.RepeatedScalarFieldContainer[float]
+    derivative_count: _containers.RepeatedScalarFieldContainer[int]
+    derivatives: _containers.RepeatedScalarFieldContainer[float]
+    def __init__(self, duration: _Optional[_Iterable[float]] = ..., position: _Optional[_Iterable[float]] = ..., velocity: _Optional[_Iterable[float]] = ..., acceleration: _Optional[_Iterable[float]] = ..., jerk: _Optional[_Iterable[float]] = ..., derivative_count: _Optional[_Iterable[int]] = ..., derivatives: _Optional[_Iterable[float]] = ...) -> None: ...
 
 class PlanOutcome(_message.Message):
     __slots__ = ("plan", "refusal")

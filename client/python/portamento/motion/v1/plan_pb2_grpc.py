@@ -82,7 +82,9 @@ class PlannerServiceServicer:
         read from for long, so write and read at the same time. The stream ends when its caller has
         closed his side and all is answered; early with TOO_MANY_PLANS, MESSAGE_TOO_LARGE (of an answer,
         too), KIND_UNSPECIFIED of a detail that is not known, OVERLOADED, STREAM_IDLE, and DRAINING once
-        the server leaves: what was answered before holds, and the rest may be asked elsewhere.
+        the server leaves: what was answered before holds, and the rest may be asked elsewhere. Moves of
+        one axis that differ in a few numbers are asked and answered as columns, for a fraction of the cost:
+        see MoveColumns, which also says what of them ends the stream.
         """
         context.set_code(grpc.StatusCode.UNIMPLEMENTED)
         context.set_details('Method not implemented!')
