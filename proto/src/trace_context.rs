@@ -73,10 +73,12 @@ impl TraceContext {
         CURRENT.try_with(|current| *current).ok().flatten()
     }
 
-    /// What is to be sent with a call that this task makes: a step of its trace, or the beginning of one.
+    /// What is to be sent with a call that this task makes: the step of the trace that the task works for, below which whoever is
+    /// called hangs his own, or the beginning of one.
     #[must_use]
     pub fn for_call() -> Self {
-        Self::current().map_or_else(Self::begin, Self::child)
+        // An id of its own for the call would be that of a span that nobody tells of: whoever reads the trace would miss it.
+        Self::current().unwrap_or_else(Self::begin)
     }
 
     /// Does `work` for this trace. Tasks that the work spawns are told by [`carried`](Self::carried).
@@ -168,7 +170,9 @@ mod tests {
                 (TraceContext::for_call(), spawned.await.unwrap())
             })
             .await;
-        assert_eq!((called.trace_id(), spawned), (trace.trace_id(), Some(trace)));
-        assert_ne!(called, trace);
+        assert_eq!((called, spawned), (trace, Some(trace)));
+        let step = trace.child();
+        assert_eq!(step.trace_id(), trace.trace_id());
+        assert_ne!(step, trace);
     }
 }

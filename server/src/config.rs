@@ -45,6 +45,11 @@ impl Config {
         for (setting, _) in self.limits.named().into_iter().filter(|(_, most)| *most == 0) {
             misfits.note(setting, "is 0, so that no axis could be served: give 1 or more");
         }
+        if self.limits.axes > planner::MAX_AXES {
+            let (given, most) = (self.limits.axes, planner::MAX_AXES);
+            misfits
+                .note("max-axes", format!("is {given}, and no plan has more than {most}: give 1 to {most}"));
+        }
         if let Some(folder) = self.record.as_deref().filter(|folder| !folder.is_dir()) {
             misfits.note("record", format!("is {}, which is no folder: make it first", folder.display()));
         }
@@ -62,11 +67,11 @@ mod tests {
     #[test]
     fn what_cannot_be_is_said_at_once() {
         assert_eq!(Config::default().misfits(), Misfits::default());
-        let limits = Limits { streams: 0, ..Limits::default() };
+        let limits = Limits { streams: 0, axes: 65, ..Limits::default() };
         let mut wrong = Config { limits, served_by: Some(String::new()), ..Config::default() };
         wrong.serving.max_message_bytes = 0;
         let misfits = wrong.misfits();
         let settings: Vec<&str> = misfits.as_slice().iter().map(|misfit| &*misfit.setting).collect();
-        assert_eq!(settings, ["max-message-bytes", "max-streams", "served-by"]);
+        assert_eq!(settings, ["max-message-bytes", "max-streams", "max-axes", "served-by"]);
     }
 }

@@ -5,7 +5,7 @@ use std::pin::Pin;
 
 use futures_util::StreamExt as _;
 use futures_util::stream::FuturesUnordered;
-use proto::stream::{FromAxis, Open, OperationResult, Phase};
+use proto::stream::{FromAxis, Open, OperationResult, Phase, ToAxis};
 use proto::{Reason, Rejected, pb, request_from_wire, response_to_wire};
 use serving::Leaving;
 use tokio::sync::{mpsc, oneshot};
@@ -139,6 +139,9 @@ fn send(session: &mut Session, tap: &Tap, epoch: u64, permit: Permit<'_>) {
     match session.poll_output() {
         Some(Output::Send(message)) => {
             tap.said(&message);
+            if let ToAxis::Result(result) = &message {
+                tell_done(result);
+            }
             permit.send(Ok(response_to_wire(epoch, message)));
         }
         Some(Output::End(Err(rejected))) => {
@@ -147,6 +150,12 @@ fn send(session: &mut Session, tap: &Tap, epoch: u64, permit: Permit<'_>) {
         }
         Some(Output::End(Ok(()))) | None => {}
     }
+}
+
+/// Says which operation the axis plays by now, for whoever asks later why it moved as it did.
+fn tell_done(result: &OperationResult) {
+    let OperationResult { request_id, effective_cycle, revision, .. } = result;
+    tracing::info!(request = request_id.as_str(), effective_cycle, revision, "operation done");
 }
 
 /// Those who wait to hear what became of their operation.
@@ -166,6 +175,9 @@ impl Commanders {
 
     fn tell(&mut self, answer: Answer) {
         let Answer { ticket, result } = answer;
+        if let Ok(result) = &result {
+            tell_done(result);
+        }
         if let Some(commander) = self.waiting.remove(&ticket) {
             // Who does not wait any more may ask again.
             let _ = commander.send(result);

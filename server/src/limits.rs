@@ -8,7 +8,7 @@ pub struct Limits {
     pub streams: usize,
     /// The most streams of one identity at a time.
     pub streams_per_identity: usize,
-    /// The most axes of a request or a stream.
+    /// The most axes of one plan or stream, up to [`planner::MAX_AXES`].
     pub axes: usize,
     /// The most requests, or moves in columns, in a message of `PlanMany`.
     pub plans_per_message: usize,
@@ -27,7 +27,7 @@ impl Default for Limits {
         Self {
             streams: 10_000,
             streams_per_identity: 10_000,
-            axes: 256,
+            axes: planner::MAX_AXES,
             // A few milliseconds of work for a core, and an answer of some 5 MB.
             plans_per_message: 4096,
             segments: 1_000_000,
@@ -72,8 +72,9 @@ impl Limits {
             return Ok(());
         }
         let most = self.axes;
+        let raise = if most < planner::MAX_AXES { ", or raise max_axes" } else { "" };
         let text = format!(
-            "has {given} axes, and this server takes {most}: plan those apart that need not go together, or raise max_axes"
+            "has {given} axes, and this server takes {most}: plan those apart that need not go together{raise}"
         );
         let rejected = Rejected::for_field(field, Reason::TooManyAxes, text);
         Err(rejected.with("given", given).with("allowed", most))

@@ -54,8 +54,8 @@ struct MotionFlags {
     /// The most streams of one identity at a time.
     #[arg(long, env = "PORTAMENTO_MAX_STREAMS_PER_IDENTITY", default_value = "10000", value_name = "COUNT", help_heading = MOTION)]
     max_streams_per_identity: Given<usize>,
-    /// The most axes of a request or a stream.
-    #[arg(long, env = "PORTAMENTO_MAX_AXES", default_value = "256", value_name = "COUNT", help_heading = MOTION)]
+    /// The most axes of one plan or stream, up to 64.
+    #[arg(long, env = "PORTAMENTO_MAX_AXES", default_value = "64", value_name = "COUNT", help_heading = MOTION)]
     max_axes: Given<usize>,
     /// The most requests in a message of PlanMany.
     #[arg(long, env = "PORTAMENTO_MAX_PLANS_PER_MESSAGE", default_value = "4096", value_name = "COUNT", help_heading = MOTION)]

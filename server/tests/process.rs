@@ -104,6 +104,42 @@ fn the_settings_of_deploy_are_those_of_the_server() {
     assert_eq!((ended.status.code(), said.lines().count()), (Some(64), 1), "{said}");
 }
 
+/// What Kubernetes mounts is known to the server: only the certificates are not here.
+#[test]
+fn the_settings_of_kubernetes_are_known() {
+    let settings = concat!(env!("CARGO_MANIFEST_DIR"), "/../deploy/kubernetes/settings");
+    let policy = format!("{settings}/policy.toml");
+    let ended =
+        server(&["--config", &format!("{settings}/server.toml"), "--policy", &policy]).output().unwrap();
+    let said = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!(ended.status.code(), Some(64), "{said}");
+    let wrong: Vec<&str> = said.lines().filter(|line| !line.contains("/certificates/")).collect();
+    // Without them nobody is known, to whom the policy might grant anything.
+    assert!(
+        wrong.iter().all(|line| line.starts_with("portamento-server: policy says who may do what")),
+        "{said}"
+    );
+}
+
+/// A collector that is none is said with all the rest; a plant turns export on by a setting, without another binary.
+#[test]
+fn spans_go_where_a_setting_says() {
+    let rows: [(&[&str], &str); 3] = [
+        (&["--otlp-endpoint", "collector:4317"], "otlp-endpoint is \"collector:4317\": it has no scheme"),
+        (&["--otlp-endpoint", "https://collector:4317"], "otlp-endpoint is https"),
+        (
+            &["--otlp-ca", concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml")],
+            "otlp-ca is given without a collector",
+        ),
+    ];
+    for (args, problem) in rows {
+        let ended = server(&[args, &["--max-streams", "0"]].concat()).output().unwrap();
+        let said = String::from_utf8(ended.stderr).unwrap();
+        assert_eq!((ended.status.code(), said.lines().count()), (Some(64), 2), "{said}");
+        assert!(said.contains(problem) && said.contains("max-streams"), "{said}");
+    }
+}
+
 fn in_a_file(name: &str, text: &str) -> String {
     let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::write(&path, text).unwrap();

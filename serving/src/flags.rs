@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use std::net::SocketAddr;
 
 use crate::address::Address;
+use crate::collector::Collector;
 use crate::given::{Given, List, Seconds};
 use crate::policy::Policy;
 use crate::settings::{Misfits, Settings};
@@ -90,10 +91,13 @@ pub struct Flags {
     /// How logs are written.
     #[arg(long, env = "PORTAMENTO_LOG_FORMAT", value_name = "FORMAT", default_value = "text", help_heading = LOGS)]
     pub(crate) log_format: Given<LogFormat>,
-    /// An OpenTelemetry collector that takes spans by OTLP over gRPC, as http://127.0.0.1:4317; none by default. It takes
-    /// a binary that was built with the feature otlp.
+    /// An OpenTelemetry collector that takes spans by OTLP over gRPC, as http://127.0.0.1:4317; none by default. Spans that
+    /// it does not take within 5 s are lost, and streams do not wait for it.
     #[arg(long, env = "PORTAMENTO_OTLP_ENDPOINT", value_name = "URL", help_heading = LOGS)]
-    pub(crate) otlp_endpoint: Option<String>,
+    otlp_endpoint: Option<Given<Collector>>,
+    /// Who vouches for the collector: needed where its address begins with https://.
+    #[arg(long, env = "PORTAMENTO_OTLP_CA", value_name = "FILE.pem", help_heading = LOGS)]
+    otlp_ca: Option<PathBuf>,
 }
 
 /// How logs are written.
@@ -114,6 +118,25 @@ impl std::str::FromStr for LogFormat {
 }
 
 impl Flags {
+    /// Where spans go; what is wrong is noted.
+    pub(crate) fn collector(&self, misfits: &mut Misfits) -> Option<Collector> {
+        let authority = self.otlp_ca.as_deref().map(|path| {
+            std::fs::read(path).map_err(|error| {
+                let problem = format!("{} cannot be read: {error}: name a PEM file", path.display());
+                misfits.note("otlp-ca", problem);
+            })
+        });
+        let Some(given) = self.otlp_endpoint.clone() else {
+            if authority.is_some_and(|read| read.is_ok()) {
+                misfits.note("otlp-ca", "is given without a collector: give --otlp-endpoint as well");
+            }
+            return None;
+        };
+        let collector = given.noted("otlp-endpoint", misfits)?;
+        let vouched_for = collector.vouched_for_by(authority.transpose().ok()?);
+        vouched_for.map_err(|(setting, problem)| misfits.note(setting, problem)).ok()
+    }
+
     /// The settings of a process that listens at `listen`, and for HTTP at `http`; what is wrong is noted, except what
     /// [`Settings::misfits`] will say.
     pub fn settings(

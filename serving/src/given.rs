@@ -19,6 +19,11 @@ impl<T: FromStr<Err: Display>> FromStr for Given<T> {
 }
 
 impl<T> Given<T> {
+    /// The value; where there is none, what is wrong is noted.
+    pub(crate) fn noted(self, setting: &'static str, misfits: &mut Misfits) -> Option<T> {
+        self.0.map_err(|problem| misfits.note(setting, problem)).ok()
+    }
+
     /// The value; where there is none, `instead`, and what is wrong is noted.
     pub fn or_note(self, setting: &'static str, instead: T, misfits: &mut Misfits) -> T {
         self.0.unwrap_or_else(|problem| {

@@ -7,7 +7,7 @@
 //! - `process`: from arguments to an exit code
 //! - `flags`, `file`, `given`: what is set by arguments, environment and a file, and what is wrong with it
 //! - `settings`: what can be set in each of them, and everything that is wrong with it at once
-//! - `logs`, `telemetry`: what is told, and where figures are kept; `export`: spans for a collector
+//! - `logs`, `telemetry`: what is told, and where figures are kept; `collector`, `export`: where spans go, and how
 //! - `serve`: ports, health, reflection; serves on while it drains
 //! - `connections`: how many, and that they say something
 //! - `tls`, `caller`, `policy`: who calls, and what he may do
@@ -20,6 +20,7 @@
 mod address;
 mod admission;
 mod caller;
+mod collector;
 mod connections;
 mod ended;
 #[cfg(feature = "otlp")]
@@ -55,4 +56,4 @@ pub use process::{Arguments, Exit, healthcheck, print, process, seconds, told_to
 pub use serve::{Bound, ServeError, Services};
 pub use settings::{Misfit, Misfits, Settings};
 pub use tls::Tls;
-pub use told::Refusals;
+pub use told::{Refusals, about};

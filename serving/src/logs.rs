@@ -6,6 +6,7 @@ use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::util::SubscriberInitExt;
 use tracing_subscriber::{EnvFilter, Layer as _, Registry};
 
+use crate::collector::Collector;
 use crate::flags::{Flags, LogFormat};
 use crate::settings::Misfits;
 
@@ -43,27 +44,27 @@ pub(crate) fn begin(name: &str, flags: &Flags, misfits: &mut Misfits) -> Export 
         LogFormat::Json => written.json().flatten_event(true).boxed(),
     };
     let written = Registry::default().with(written.with_filter(filter));
-    match &flags.otlp_endpoint {
+    match flags.collector(misfits) {
         None => {
             written.init();
             Export::none()
         }
-        Some(endpoint) => exporting(name, endpoint, written, misfits),
+        Some(collector) => exporting(name, &collector, written, misfits),
     }
 }
 
 #[cfg(feature = "otlp")]
-fn exporting<S>(name: &str, endpoint: &str, written: S, misfits: &mut Misfits) -> Export
+fn exporting<S>(name: &str, collector: &Collector, written: S, misfits: &mut Misfits) -> Export
 where
     S: tracing::Subscriber + for<'a> tracing_subscriber::registry::LookupSpan<'a> + Send + Sync,
 {
-    match export(name, endpoint) {
+    match export(name, collector) {
         Ok((layer, export)) => {
             written.with(layer).init();
             export
         }
         Err(problem) => {
-            misfits.note("otlp-endpoint", format!("is {endpoint:?}: {problem}"));
+            misfits.note("otlp-endpoint", format!("cannot be sent to: {problem}"));
             written.init();
             Export::none()
         }
@@ -71,8 +72,8 @@ where
 }
 
 #[cfg(not(feature = "otlp"))]
-fn exporting(_: &str, endpoint: &str, written: impl SubscriberInitExt, misfits: &mut Misfits) -> Export {
-    let problem = format!("is {endpoint:?}, and this binary exports nothing: build it with --features otlp");
+fn exporting(_: &str, _: &Collector, written: impl SubscriberInitExt, misfits: &mut Misfits) -> Export {
+    let problem = "is given, and this binary exports nothing: build it with the feature otlp, as by default";
     misfits.note("otlp-endpoint", problem);
     written.init();
     Export::none()

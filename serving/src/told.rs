@@ -97,7 +97,10 @@ where
             "rpc",
             method = request.uri().path(),
             trace_id = tracing::field::Empty,
-            identity = tracing::field::Empty
+            identity = tracing::field::Empty,
+            // Of what it is about; the service knows.
+            stream = tracing::field::Empty,
+            request = tracing::field::Empty
         );
         let trace = of_span(&span, caller);
         if !span.is_disabled() {
@@ -117,6 +120,20 @@ where
         Box::pin(trace.scope(answer.instrument(span)))
     }
 }
+
+/// Says in the span of the call that is being answered which stream it is about, and which request of whoever asks. What is no name of
+/// either stays out of logs and traces.
+pub fn about(stream: &str, request: &str) {
+    let span = tracing::Span::current();
+    for (field, name) in [("stream", stream), ("request", request)] {
+        if (1..=MOST_NAME_BYTES).contains(&name.len()) && !name.contains(char::is_control) {
+            span.record(field, name);
+        }
+    }
+}
+
+/// As many as names of streams and requests may have.
+const MOST_NAME_BYTES: usize = 256;
 
 /// The next step of the caller's trace, or the first of one.
 #[cfg(not(feature = "otlp"))]

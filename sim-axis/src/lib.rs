@@ -69,7 +69,7 @@ pub use models::{InvalidModels, Models};
 pub use monitor::ReportCard;
 pub use plant::Plant;
 pub use player::{Beat, Divergence, Player};
-pub use rpc::{ModelFileError, RemoteAxis, RemoteRun, models_from_json};
+pub use rpc::{ModelFileError, RemoteAxis, RemoteRun, models_from_json, track_request};
 pub use run::{
     DEFAULT_SETTLE_WINDOW, StreamReport, TrackError, TrackRequest, Tracking, TrackingReport, Update,
     default_settle_tolerance, track,

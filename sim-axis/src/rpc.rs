@@ -24,6 +24,7 @@ use crate::models::{InvalidModels, Models};
 use crate::run::{Tracking, Update};
 
 pub use remote::{RemoteAxis, RemoteRun};
+pub use request::track_request;
 use streams::Streams;
 
 /// The service as it is served.
@@ -116,6 +117,7 @@ impl SimAxisService for Axes {
         let caller = Caller::of(&request);
         let request = request.into_inner();
         caller.may_use(&request.stream)?;
+        serving::about(&request.stream, "");
         let named: Vec<String> = request.models.iter().map(|model| model.axis.clone()).collect();
         let mut request = request::track_request(request, &self.models)?;
         request.connect = self.connect.clone();
@@ -150,6 +152,7 @@ impl SimAxisService for Axes {
             let text = "is not set: say what to do, as hold or resume";
             Rejected::for_field("operation", Reason::FieldMissing, text)
         })?;
+        serving::about(&stream, &operation.request_id);
         let result = self.streams.commander_of(&stream, &caller)?.operate(operation.into()).await?;
         Ok(Response::new(pb::CommandResponse { result: Some(result.into()) }))
     }

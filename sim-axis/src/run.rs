@@ -7,8 +7,10 @@ mod request;
 use client::failover::{Begun, Failure, News};
 use client::{Buffer, Next, Standing, Uplink};
 use planner::Setpoint;
+use proto::TraceContext;
 use proto::stream::{Motion, Open, Operation};
 use tokio::sync::{mpsc, oneshot};
+use tracing::Instrument as _;
 
 use crate::axis::Axis;
 use crate::commands::{Answered, Commander, Waiting, commander};
@@ -79,11 +81,13 @@ impl Tracking {
             answers.push(waiting.answered(&operation.request_id));
             uplink.operate(operation);
         }
-        tokio::spawn(async move {
+        // For the trace of whoever asked for the run, also where another server goes on.
+        let carried = TraceContext::carried(async move {
             let result = carry(uplink, outside, teller, (request.clock, ailing), (commands, waiting)).await;
             // Nobody to tell is not a failure.
             let _ = done.send(result);
         });
+        tokio::spawn(carried.in_current_span());
         Ok((Self { motion, served_by, commander, updates, result }, answers))
     }
 

@@ -24,7 +24,7 @@ impl Cell {
         Self { network: Network::new(story), authority: Authority::default(), files }
     }
 
-    /// Starts `image` as `name` with a certificate of that name, made for it now.
+    /// Starts `image` as `name` with a certificate of these names, made for it now.
     fn start(&self, image: &str, name: &str, port: u16, names: &[&str], arguments: &[&str]) -> Container {
         let directory = self.files.join(name);
         std::fs::create_dir_all(&directory).unwrap();
@@ -51,7 +51,12 @@ impl Cell {
     }
 
     pub(crate) fn planner(&self, name: &str) -> Container {
-        self.start("server", name, 50051, &[name], &[])
+        self.planner_called(name, name)
+    }
+
+    /// One that its callers know as `known_as`, and that the network has as `name`.
+    pub(crate) fn planner_called(&self, known_as: &str, name: &str) -> Container {
+        self.start("server", name, 50051, &[known_as], &[])
     }
 
     pub(crate) fn axis(&self) -> Container {

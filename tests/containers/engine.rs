@@ -119,6 +119,28 @@ impl Container {
         container
     }
 
+    /// Starts a line to `before`, HOST:PORT, as `name` on `network`; `how` are the arguments of `portamento-line`. It is the program that was
+    /// built with this test, with the libraries of this machine that it needs.
+    pub(crate) fn line(network: &Network, name: &str, port: u16, before: &str, how: &[&str]) -> Self {
+        let program = env!("CARGO_BIN_EXE_portamento-line");
+        let listed = Command::new("ldd").arg(program).output().expect("ldd runs");
+        let listed = String::from_utf8(listed.stdout).expect("text");
+        let libraries = listed.split_whitespace().filter(|word| word.starts_with('/'));
+        let mut volumes: Vec<String> = libraries.map(|path| format!("{path}:{path}:ro")).collect();
+        volumes.push(format!("{program}:/portamento-line:ro"));
+        let (publish, listen) = (format!("127.0.0.1::{port}"), format!("--listen=0.0.0.0:{port}"));
+        let (image, before) = (format!("portamento-server:{TAG}"), format!("--before={before}"));
+        let mut command = vec!["run", "--detach", "--read-only", "--cap-drop", "ALL", "--no-healthcheck"];
+        command.extend(["--network", &network.name, "--network-alias", name, "--publish", &publish]);
+        volumes.iter().for_each(|volume| command.extend(["--volume", volume]));
+        command.extend(["--entrypoint", "/portamento-line", &image, &listen, &before]);
+        command.extend(how);
+        let mut container = Self { id: docker(&command), port: 0, http: 0 };
+        container.wait_until_said("carrying");
+        container.port = container.published(port);
+        container
+    }
+
     fn published(&self, port: u16) -> u16 {
         let published = docker(&["port", &self.id, &port.to_string()]);
         let first = published.lines().next().expect("a published port");
@@ -185,6 +207,19 @@ impl Container {
             }
         }
         panic!("the container is not healthy after 20 s: {}", self.logs());
+    }
+}
+
+impl Container {
+    #[expect(clippy::disallowed_methods, reason = "the engine's log is read again; nothing tells us")]
+    fn wait_until_said(&self, word: &str) {
+        for _ in 0..100 {
+            if self.logs().contains(word) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        panic!("the container has not said {word:?} after 10 s: {}", self.logs());
     }
 }
 

@@ -12,7 +12,9 @@
 )]
 
 mod cell;
+mod delayed;
 mod engine;
 mod fails_over;
+mod others;
 mod plan_and_track;
 mod plant;

@@ -7,6 +7,7 @@ use proto::{Reason, Rejected, pb};
 use sim_axis::{RemoteAxis, TrackRequest};
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
+use tonic_types::StatusExt as _;
 
 /// Longer than anything here takes.
 const AMPLE: Duration = Duration::from_secs(60);
@@ -124,6 +125,64 @@ async fn giant_messages() {
     // Client and server share this process: one message being sent is there at a time, in a few copies.
     let grown = resident().saturating_sub(before);
     assert!(grown < 200 << 20, "{} MiB more than before", grown >> 20);
+}
+
+/// More large requests at once than there is room for: those beyond it are shed with the time to wait, whoever waits so long is served,
+/// and the axis does not notice.
+#[tokio::test(flavor = "multi_thread")]
+async fn an_overload_is_shed() {
+    let mut config = server::Config::loopback();
+    config.serving.max_concurrent_requests = 4;
+    let server = Loopback::with(config).await;
+    let planner = server.planner().await;
+    let before = resident();
+    moved_under(&server, async move {
+        let calls = (0..64).map(|_| {
+            let mut planner = planner.clone();
+            tokio::spawn(async move {
+                let mut shed = 0_u32;
+                while let Err(status) = planner.plan_pvt(table()).await {
+                    let rejected = Rejected::from_status(&status).expect("a reason");
+                    assert_eq!(rejected.reason, Reason::Overloaded, "{status:?}");
+                    let wait = status.get_details_retry_info().and_then(|info| info.retry_delay);
+                    let wait = wait.expect("the time to wait, as clients of other languages read it");
+                    assert!(wait > Duration::ZERO && wait <= Duration::from_secs(1), "{wait:?}");
+                    shed += 1;
+                    tokio::time::sleep_until(tokio::time::Instant::now() + wait).await;
+                }
+                shed
+            })
+        });
+        let calls: Vec<_> = calls.collect();
+        let mut shed = 0;
+        for call in calls {
+            shed += tokio::time::timeout(AMPLE, call).await.expect("it is served in the end").unwrap();
+        }
+        assert!(shed >= 60, "of 64 at once at most 4 find room: {shed}");
+    })
+    .await;
+    let grown = resident().saturating_sub(before);
+    assert!(grown < 200 << 20, "{} MiB more than before", grown >> 20);
+}
+
+/// A table of a thousand points there and back, at which a core works for a millisecond or so.
+fn table() -> pb::PlanPvtRequest {
+    let points = 1..=1000;
+    let axis = pb::PvtAxis {
+        axis: "x".into(),
+        kind: pb::AxisKind::Prismatic.into(),
+        times: points.clone().map(|point| 0.2 * f64::from(point)).collect(),
+        positions: points.clone().map(|point| if point % 2 == 1 { 0.01 } else { 0.0 }).collect(),
+        velocities: points.map(|_| 0.0).collect(),
+        limits: pb::PlanRequest::from(move_of(0.5, 0.25)).axes[0].limits.clone(),
+        ..Default::default()
+    };
+    pb::PlanPvtRequest {
+        axes: vec![axis],
+        policy: pb::PvtPolicy::PreferVelocity.into(),
+        interpolation: pb::PvtInterpolation::SShaped.into(),
+        ..Default::default()
+    }
 }
 
 /// What this process holds in memory [bytes]. Source: proc_pid_statm(5).

@@ -12,11 +12,13 @@
 )]
 
 mod clocks;
+mod collector;
 mod deaths;
 mod drains;
+mod exports;
 mod liar;
 mod lies;
-mod proxy;
+mod mute;
 mod replica;
 mod resumes;
 mod run;

@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use client::failover::Cause;
-use e2e::{move_of, planned};
+use e2e::{Line, Proxy, move_of, planned};
 use proto::stream::{Ask, Operation};
 
-use crate::proxy::{Line, Proxy, THROUGH, mute};
+use crate::mute::mute;
 use crate::replica::Replica;
 use crate::run::{LEAD, Run, alone, answer, request};
 
@@ -73,14 +73,14 @@ async fn a_line_that_is_half_open() {
     let _alone = alone().await;
     let plan = planned(move_of(0.3, 0.25));
     let (first, second) = (Replica::start("first").await, Replica::start("second").await);
-    let line = Proxy::before(first.address(), THROUGH).await;
+    let line = Proxy::before(first.address(), Line::THROUGH).await;
     let endpoints = [line.endpoint(), second.endpoint()];
     let mut run = Run::begin(request("cell-7/x", &endpoints, &plan, LEAD)).await;
     run.until(300).await;
     line.becomes(Line::Silent);
     run.until_changes(1).await;
     // What was said in the meantime arrives after all.
-    line.becomes(THROUGH);
+    line.becomes(Line::THROUGH);
     let played = run.finish().await;
     played.is_undisturbed(&plan, &[]);
     let [change] = &played.seen.changes[..] else { panic!("{:?}", played.seen.changes) };
@@ -111,7 +111,7 @@ async fn a_false_alarm() {
     let _alone = alone().await;
     let plan = planned(move_of(0.7, 0.25));
     let first = Replica::start("first").await;
-    let line = Proxy::before(first.address(), THROUGH).await;
+    let line = Proxy::before(first.address(), Line::THROUGH).await;
     let endpoints = [line.endpoint(), mute().await];
     let mut run = Run::begin(request("cell-7/x", &endpoints, &plan, LEAD)).await;
     run.until(200).await;
@@ -119,7 +119,7 @@ async fn a_false_alarm() {
         line.becomes(Line::Silent);
         let stalled = tokio::time::timeout(Duration::from_millis(160), std::future::pending::<()>());
         let _ = stalled.await;
-        line.becomes(THROUGH);
+        line.becomes(Line::THROUGH);
         // Until the lead has long been full again: nobody has looked on while the line stalled.
         run.until(run_length(&run) + 560).await;
     }

@@ -13,7 +13,9 @@ use std::time::{Duration, Instant};
 
 use planner::Judged;
 use prost::Message as _;
-use proto::{Rejected, pb};
+use proto::stream::Watch;
+use proto::{Rejected, TraceContext, pb};
+use server::session::{Event, Session};
 
 /// How long each target is looked at where nobody says [s].
 const SECONDS: f64 = 2.0;
@@ -99,6 +101,50 @@ fn plans_in_files() {
         match proto::from_json::<pb::Plan>(text) {
             Ok(wire) => drop(checked(proto::plan_from_wire(wire))),
             Err(error) => assert!(!error.to_string().is_empty()),
+        }
+    });
+}
+
+/// What a commander asks of a stream that is open; twice, as after an answer that got lost.
+#[test]
+fn operations() {
+    let planned = e2e::planned(e2e::fifty_millimetres());
+    run("operation", |bytes| {
+        let Ok(wire) = pb::Operation::decode(bytes) else { return };
+        let mut session = Session::open(e2e::open("cell-7/x", planned.clone()), "fuzz").unwrap();
+        for ticket in 1..=2 {
+            session.handle(Event::Command { ticket, operation: wire.clone().into() });
+            while session.poll_output().is_some() {}
+            while let Some(answer) = session.poll_answer() {
+                checked(answer.result);
+            }
+        }
+    });
+}
+
+#[test]
+fn who_looks_on() {
+    run("watch", |bytes| {
+        let Ok(wire) = pb::WatchStreamRequest::decode(bytes) else { return };
+        checked(Watch::try_from(wire));
+    });
+}
+
+#[test]
+fn runs_of_an_axis() {
+    run("run_tracking", |bytes| {
+        let Ok(wire) = pb::RunTrackingRequest::decode(bytes) else { return };
+        checked(sim_axis::track_request(wire, &sim_axis::Models::default()));
+    });
+}
+
+#[test]
+fn trace_contexts() {
+    run("traceparent", |bytes| {
+        let Ok(text) = std::str::from_utf8(bytes) else { return };
+        match text.parse::<TraceContext>() {
+            Ok(trace) => assert_eq!(trace.to_string(), text),
+            Err(error) => assert!(error.to_string().len() < 512),
         }
     });
 }

@@ -8,14 +8,17 @@
 )]
 
 mod certificates;
+mod line;
 mod network;
 mod process;
+mod reflected;
 mod rig;
 
 use std::net::SocketAddr;
 
 pub use certificates::{Authority, Identity};
 use client::Client;
+pub use line::{Line, Proxy, carry_all};
 pub use network::{Axis, Faults, Network};
 use planner::{
     Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, ShortPathPolicy, State,
@@ -25,6 +28,7 @@ pub use process::{Process, cpu};
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::{Open, Source};
+pub use reflected::{Reflected, VERSIONS};
 pub use rig::{Answer, Delays, Rig, difference, replay};
 use server::{Address, Config, Server};
 use sim_axis::SimAxis;

@@ -1,4 +1,5 @@
-"""A server and an axis, as processes of their own."""
+"""A server and an axis: processes of their own, or those at PORTAMENTO_SERVER and PORTAMENTO_SIM_AXIS, to whose axis the server is what
+PORTAMENTO_PLANNER says."""
 
 import os
 import queue
@@ -29,6 +30,9 @@ def listening(name):
 
 @pytest.fixture(scope="session")
 def addresses():
+    if "PORTAMENTO_SERVER" in os.environ:
+        yield {"server": os.environ["PORTAMENTO_SERVER"], "sim-axis": os.environ["PORTAMENTO_SIM_AXIS"]}
+        return
     processes = {name: listening(f"portamento-{name}") for name in ["server", "sim-axis"]}
     yield {name: address for name, (_, address) in processes.items()}
     for process, _ in processes.values():
@@ -50,7 +54,7 @@ def axis(addresses):
 
 @pytest.fixture
 def planners(addresses):
-    return [f"http://{addresses['server']}"]
+    return [os.environ.get("PORTAMENTO_PLANNER", f"http://{addresses['server']}")]
 
 
 @pytest.fixture

@@ -86,6 +86,7 @@ impl SetpointService for Setpoints {
             let text = "is not set: say what to do, as hold or resume";
             Rejected::for_field("operation", Reason::FieldMissing, text)
         })?;
+        serving::about(&stream, &operation.request_id);
         let asked = Instant::now();
         let result = streams.command(&stream, operation.into()).await?;
         streams.figures().operated(asked);

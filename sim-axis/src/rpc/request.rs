@@ -52,7 +52,10 @@ pub(super) fn fault(wire: pb::InjectFaultRequest) -> Result<Fault, Rejected> {
 }
 
 /// The run that is asked for, on axes of `own` where the request has no model.
-pub(super) fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Result<TrackRequest, Rejected> {
+///
+/// # Errors
+/// Every field that is invalid, with its path and the way out.
+pub fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Result<TrackRequest, Rejected> {
     let pb::RunTrackingRequest {
         stream,
         endpoints,

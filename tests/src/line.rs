@@ -1,75 +1,73 @@
-//! A line between an axis and a server, that is slow, uneven, or goes silent without being closed.
-
 use std::net::SocketAddr;
 use std::time::Duration;
 
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
-use tokio::net::{TcpListener, TcpStream};
+use tokio::net::{TcpListener, TcpStream, ToSocketAddrs};
 use tokio::sync::{mpsc, watch};
 use tokio::time::Instant;
 
-/// How a line is.
+/// How a line between an axis and a server is: slow, uneven, or silent without being closed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Line {
+pub enum Line {
     /// What is said arrives after this long at least, and at most.
     Delays(Duration, Duration),
     /// Nothing arrives, and nobody is told: a cable that is pulled out.
     Silent,
 }
 
-/// As fast as can be.
-pub(crate) const THROUGH: Line = Line::Delays(Duration::ZERO, Duration::ZERO);
+impl Line {
+    /// As fast as can be.
+    pub const THROUGH: Self = Self::Delays(Duration::ZERO, Duration::ZERO);
+}
+
+/// Carries what comes at `listener` to `server`, whose name is looked up for each connection, and back, as `lines` says, for as long as
+/// it is polled.
+pub async fn carry_all(
+    listener: TcpListener,
+    server: impl ToSocketAddrs + Clone + Send + 'static,
+    lines: watch::Receiver<Line>,
+) {
+    while let Ok((axis, _)) = listener.accept().await {
+        let Ok(server) = TcpStream::connect(server.clone()).await else { continue };
+        // Without it the line would have a delay of its own.
+        if axis.set_nodelay(true).and_then(|()| server.set_nodelay(true)).is_err() {
+            continue;
+        }
+        let ((from_axis, to_axis), (from_server, to_server)) = (axis.into_split(), server.into_split());
+        carry(from_axis, to_server, lines.clone(), 1);
+        carry(from_server, to_axis, lines.clone(), 2);
+    }
+}
 
 /// A proxy on a port of its own, for as long as the runtime lives.
-pub(crate) struct Proxy {
+#[derive(Debug)]
+pub struct Proxy {
     address: SocketAddr,
     line: watch::Sender<Line>,
 }
 
 impl Proxy {
     /// In front of the server at `server`.
-    pub(crate) async fn before(server: SocketAddr, line: Line) -> Self {
-        let listener = TcpListener::bind(SocketAddr::from(([127, 0, 0, 1], 0))).await.unwrap();
-        let address = listener.local_addr().unwrap();
+    pub async fn before(server: SocketAddr, line: Line) -> Self {
+        let listener = TcpListener::bind(SocketAddr::from(([127, 0, 0, 1], 0))).await.expect("a free port");
+        let address = listener.local_addr().expect("an address");
         let (line, lines) = watch::channel(line);
-        tokio::spawn(async move {
-            while let Ok((axis, _)) = listener.accept().await {
-                let Ok(server) = TcpStream::connect(server).await else { continue };
-                axis.set_nodelay(true).unwrap();
-                server.set_nodelay(true).unwrap();
-                let ((from_axis, to_axis), (from_server, to_server)) =
-                    (axis.into_split(), server.into_split());
-                carry(from_axis, to_server, lines.clone(), 1);
-                carry(from_server, to_axis, lines.clone(), 2);
-            }
-        });
+        tokio::spawn(carry_all(listener, server, lines));
         Self { address, line }
     }
 
-    pub(crate) fn endpoint(&self) -> String {
+    /// Where it is, for a client.
+    #[must_use]
+    pub fn endpoint(&self) -> String {
         format!("http://{}", self.address)
     }
 
     /// From now on the line is like this.
-    pub(crate) fn becomes(&self, line: Line) {
+    pub fn becomes(&self, line: Line) {
         self.line.send_replace(line);
     }
 }
-
-/// A server that takes connections and says nothing on them, for as long as the runtime lives. Gives where it is.
-pub(crate) async fn mute() -> String {
-    let listener = TcpListener::bind(SocketAddr::from(([127, 0, 0, 1], 0))).await.unwrap();
-    let address = listener.local_addr().unwrap();
-    tokio::spawn(async move {
-        let mut held = Vec::new();
-        while let Ok((axis, _)) = listener.accept().await {
-            held.push(axis);
-        }
-    });
-    format!("http://{address}")
-}
-
 fn carry(mut from: OwnedReadHalf, mut to: OwnedWriteHalf, mut lines: watch::Receiver<Line>, seed: u64) {
     let (said, mut arriving) = mpsc::unbounded_channel::<(Instant, Vec<u8>)>();
     let reads = lines.clone();
