@@ -378,7 +378,9 @@ fn reason(name: &str) -> Result<Reason, String> {
     let unknown = |error: proto::UnknownReason| {
         let closest = Reason::ALL.iter().map(|reason| (strsim::jaro(&upper, reason.name()), reason.name()));
         match closest.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((likeness, name)) if likeness > 0.75 => format!("{error}; did you mean {name}?"),
+            Some((likeness, name)) if likeness > 0.75 => {
+                format!("did you mean {name}? `portamento explain` lists all of them")
+            }
             _ => format!("{error}; `portamento explain` lists them"),
         }
     };

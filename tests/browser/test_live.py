@@ -67,7 +67,7 @@ def test_twenty_streams_of_a_server_are_shown(open_console, track, light_axis, p
         # On a machine that is short of time an axis that starves holds by itself, which is shown as well.
         expect(card(page, name).locator(".phase")).to_have_text(re.compile("moving|holding"), timeout=20_000)
         expect(card(page, name).locator(".numbers")).to_contain_text("position", timeout=20_000)
-    expect(page.locator("#live-count")).to_have_text("20")
+    expect(page.locator("#live-count")).to_have_text("20", timeout=20_000)
     before = {name: cycle_and_position(card(page, name))[0] for name in names}
     for name in names:
         expect(card(page, name).locator(".numbers")).not_to_contain_text(f"cycle {before[name]}", timeout=20_000)
@@ -87,9 +87,9 @@ COUNTED = """() => {
 def test_twenty_streams_keep_up(open_console, feed, picture):
     """At a thousand cycles a second each: what is shown follows what is sent, at a cost a frame and in memory that stay as they are."""
     page = open_console("live", at=feed.address)
-    expect(page.locator(".stream")).to_have_count(20)
+    expect(page.locator(".stream")).to_have_count(20, timeout=30_000)
     for name in feed.names:
-        expect(card(page, name).locator(".numbers")).to_contain_text("µm", timeout=20_000)
+        expect(card(page, name).locator(".numbers")).to_contain_text("µm", timeout=30_000)
     tools = page.context.new_cdp_session(page)
     # Processor time of the page's own thread.
     tools.send("Performance.enable", {"timeDomain": "threadTicks"})

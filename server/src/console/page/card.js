@@ -14,6 +14,14 @@ const DRAWN = 4;
 /** Between two changes of the numbers [ms], of a card in view and of one that is not: faster cannot be read. */
 const READ = 100, UNSEEN = 500;
 
+/** What an event is to whoever looks on. */
+const SAYS = {
+  draining: (cycle) => `This server leaves, at cycle ${cycle}; the axis goes on with another, or comes to rest.`,
+  standstill: (cycle) => `At its goal from cycle ${cycle} on.`,
+  finished: (cycle) => `Finished at cycle ${cycle}.`,
+  superseded: (cycle) => `The axis has opened this stream anew, at cycle ${cycle}.`,
+};
+
 /** Only what is in view is drawn. */
 const inView = new WeakMap();
 const sight = new IntersectionObserver((entries) => entries.forEach(({ target, isIntersecting }) => inView.set(target, isIntersecting)), { rootMargin: "100px" });
@@ -133,6 +141,9 @@ export class Card {
       const badge = this.element.querySelector(".phase");
       badge.className = `phase ${message.phase.replace("PHASE_", "")}`;
       badge.textContent = this.phase = name;
+      // Nobody may have asked for this hold.
+      const missed = Number(message.counters?.underruns ?? 0);
+      if (name === "holding" && missed && !this.waiting) this.tell(`Holds. It ran out of setpoints ${missed === 1 ? "once" : `${missed} times`}, and then rests by itself: Resume goes on.`);
     }
     const count = cycles.length, tracked = tracking && tracking.cycles === count;
     if (count) this.remember(cycles, commanded, tracked ? tracking : null, now);
@@ -143,7 +154,7 @@ export class Card {
     }
     for (const { kind, atCycle } of events) {
       // What was asked for is answered first.
-      if (!this.waiting) this.tell(`${word(kind)} at cycle ${atCycle}`);
+      if (!this.waiting) this.tell((SAYS[word(kind)] ?? ((cycle) => `${word(kind)} at cycle ${cycle}.`))(atCycle));
       if (kind.endsWith("FINISHED")) this.end();
     }
   }

@@ -35,7 +35,7 @@ export function live() {
     body.innerHTML = text;
     state.append(head, body);
   }
-  const nothing = () => say("No stream is open here", "Plan a motion and have an axis play it, as <code>portamento plan … --output move.json</code> and <code>portamento track --plan move.json</code>. It appears here by itself.");
+  const nothing = () => say("No stream is open here", "Plan a motion and have an axis play it, as <code>portamento plan … --output move.json</code> and <code>portamento track move.json</code>. It appears here by itself.");
   const lost = () => running && say("The server does not answer", "What is shown stands still. It goes on by itself when the server is back; axes go on with another replica, or come to rest.", "refused");
 
   const present = new Map();
