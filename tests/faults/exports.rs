@@ -139,8 +139,16 @@ async fn a_collector_that_does_not_take_spans_disturbs_nobody() {
         let before = resident(server.pid());
         // More spans than wait anywhere.
         let client = Client::connect(&server.endpoint()).await.unwrap();
-        for _ in 0..6_000 {
-            client.plan(fifty_millimetres()).await.unwrap();
+        let calls = (0..64).map(|_| {
+            let client = client.clone();
+            tokio::spawn(async move {
+                for _ in 0..50 {
+                    client.plan(fifty_millimetres()).await.unwrap();
+                }
+            })
+        });
+        for call in calls.collect::<Vec<_>>() {
+            call.await.unwrap();
         }
         let grown = resident(server.pid()).saturating_sub(before);
         while run.next().await.unwrap().is_some() {}

@@ -63,16 +63,18 @@ def plan_stream_and_hold(address):
                     batch = message.batch
                     accepted = batch.first_cycle + batch.columns.cycles - 1
                     position.update(zip(range(batch.first_cycle, accepted + 1), batch.columns.position))
-                    # It begins to play when it has been told to hold: before, the motion might be over.
+                    # It begins to play when it has been told to hold: before, the motion might be over. And it stays behind what it
+                    # holds, as an axis does, so that what is replaced is not played yet.
                     if batch.revision > 0:
                         executed = max(executed, accepted if batch.last else accepted - 20)
                     said.put(say(report=setpoint_pb2.AxisReport(
                         executed_cycle=executed, accepted_cycle=accepted, grant_cycle=executed + 40, revision=batch.revision,
                         digest=batch.digest)))
-                    if batch.last and held is not None:
+                    # The report has said that it plays by the hold: whoever asked for it is answered.
+                    if batch.revision == 1 and held is not None and accepted >= held.result().result.rest_cycle:
                         result = held.result().result
-                        assert result.request_id == "wait" and result.on_path and result.rest_cycle == executed, result
-                        assert len({position[cycle] for cycle in range(result.rest_cycle, executed + 1)}) == 1
+                        assert result.request_id == "wait" and result.on_path, result
+                        assert len({position[cycle] for cycle in range(result.rest_cycle, accepted + 1)}) == 1
                         held = None
                         resume = setpoint_pb2.Operation(request_id="go on", resume=setpoint_pb2.ResumeMotion())
                         said.put(say(operation=resume))
