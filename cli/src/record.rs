@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use planner::{Judged, RequestSpec};
 use proto::pb;
-use proto::stream::{Operation, OperationResult};
 use recording::{Head, Recorder};
 use sim_axis::{TrackingReport, Update};
 
@@ -51,6 +50,7 @@ impl Record {
                 &samples.load_position,
             ),
             Update::Event(event) => recorder.event(*event),
+            Update::Operated(done) => recorder.operation(done.0.clone(), Ok(done.1.clone())),
             Update::FailedOver(change) => recorder.fail_over(
                 change.executed_cycle,
                 &pb::FailOver {
@@ -62,11 +62,6 @@ impl Record {
                 },
             ),
         })
-    }
-
-    /// An operation that was done.
-    pub(crate) fn operation(&mut self, operation: Operation, result: OperationResult) -> Result<(), Failure> {
-        self.with(|recorder| recorder.operation(operation, Ok(result)))
     }
 
     /// How it went; ends the recording.

@@ -187,6 +187,13 @@ async fn carry(mut tracking: Tracking, sender: &Outgoing) {
             Update::Samples(samples) => Message::Samples(samples.into()),
             Update::Event(event) => Message::Event(event.into()),
             Update::FailedOver(change) => Message::FailOver(convert::change_to_wire(change)),
+            Update::Operated(done) => {
+                let (operation, result) = *done;
+                Message::Operated(pb::Operated {
+                    operation: Some(operation.into()),
+                    result: Some(result.into()),
+                })
+            }
         };
         if sender.send(Ok(pb::RunTrackingResponse { message: Some(message) })).await.is_err() {
             return;

@@ -77,13 +77,15 @@ impl Tracking {
         let waiting = Waiting::default();
         let ailing = request.faults.as_ref().map(Faults::of_a_run).unwrap_or_default();
         let mut answers = Vec::with_capacity(operations.len());
+        let asked = operations.iter().cloned().collect();
         for operation in operations {
             answers.push(waiting.answered(&operation.request_id));
             uplink.operate(operation);
         }
         // For the trace of whoever asked for the run, also where another server goes on.
         let carried = TraceContext::carried(async move {
-            let result = carry(uplink, outside, teller, (request.clock, ailing), (commands, waiting)).await;
+            let result =
+                carry(uplink, outside, teller, (request.clock, ailing), (commands, waiting, asked)).await;
             // Nobody to tell is not a failure.
             let _ = done.send(result);
         });

@@ -272,15 +272,40 @@ async fn virtual_time_stands_still_with_the_axis() {
     let mut cycles = 0;
     let told = async {
         loop {
-            match run.next().await.unwrap().unwrap() {
+            let update = run.next().await.unwrap().unwrap();
+            match &update {
                 Update::Samples(samples) => cycles += samples.commanded.cycles(),
                 Update::Event(event) => assert_eq!(event.kind, StreamEventKind::Standstill),
-                Update::FailedOver(change) => panic!("{change:?}"),
+                Update::FailedOver(_) | Update::Operated(_) => panic!("{update:?}"),
             }
         }
     };
     assert!(tokio::time::timeout(std::time::Duration::from_millis(500), told).await.is_err());
     assert_eq!(cycles, 314 + 100);
+}
+
+/// Once each, however often it was asked, and what is refused not at all.
+#[tokio::test]
+async fn what_others_ask_of_the_axis_is_told() {
+    let (server, axis) = (Loopback::start().await, LoopbackAxis::start().await);
+    let remote = RemoteAxis::connect(&axis.endpoint()).await.unwrap();
+    let long = TrackRequest { plan: planned(move_of(60.0, 0.1)), ..request(&server.endpoint()) };
+    let mut run = remote.track(TrackRequest { clock: Clock::Wall, ..long }).await.unwrap();
+    assert!(run.next().await.unwrap().is_some());
+    let hold = Operation::now("h1", Ask::Hold);
+    let result = remote.command("", hold.clone()).await.unwrap();
+    assert_eq!(remote.command("", hold.clone()).await.unwrap(), result);
+    assert!(remote.command("", Operation::now("o1", Ask::Override(1e9))).await.is_err());
+    let stop = Operation::now("s1", Ask::Stop);
+    remote.command("", stop.clone()).await.unwrap();
+    let mut told = Vec::new();
+    while let Some(update) = run.next().await.unwrap() {
+        if let Update::Operated(done) = update {
+            told.push(*done);
+        }
+    }
+    let (operations, results): (Vec<_>, Vec<_>) = told.into_iter().unzip();
+    assert_eq!((operations, &results[0]), (vec![hold, stop], &result));
 }
 
 #[tokio::test]

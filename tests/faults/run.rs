@@ -143,6 +143,7 @@ impl Seen {
         match update {
             Update::Samples(samples) => self.add(&samples),
             Update::Event(event) => self.events.push(event),
+            Update::Operated(_) => {}
             Update::FailedOver(change) => self.changes.push(change),
         }
     }

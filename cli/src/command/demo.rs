@@ -197,17 +197,15 @@ async fn follow(
             // The first of them come while the axis speeds up.
             Update::Samples(_) => serving.take().into_iter().for_each(Replica::kill),
             Update::FailedOver(gone_on) => change = Some(gone_on.clone()),
-            Update::Event(_) => {}
+            Update::Event(_) | Update::Operated(_) => {}
         }
         watch.see(update);
     }
     let mut tracked = watch.finish().unwrap_or_default();
     let report = tracking.finish().await?;
     let mut results = Vec::with_capacity(answers.len());
-    for (answer, (cycle, name, _, ask)) in answers.into_iter().zip(OPERATIONS) {
+    for (answer, (_, name, ..)) in answers.into_iter().zip(OPERATIONS) {
         let result = answer.get().await.map_err(Failure::refused)?;
-        let operation = Operation { not_before_cycle: Some(cycle), ..Operation::now(name, ask) };
-        record.operation(operation, result.clone())?;
         let time = result.effective_cycle as f64 * plan.plan().cycle_time().as_seconds();
         tracked.operations.push((time, name.to_owned()));
         results.push(result);

@@ -56,8 +56,8 @@ pub(crate) fn run(args: &ReplayArgs, screen: &mut Screen<'_>) -> Result<(), Fail
         }
         if missing > 0 {
             let text = format!(
-                "{} of this run took effect that the recording does not hold, as it was made at the axis: from there on it \
-                 differs.",
+                "{} of this run took effect that the recording does not hold, since the server was asked and not the axis: from there \
+                 on it differs. A recording of the server has all of them.",
                 counted(missing, "operation")
             );
             writeln!(screen.out, "{}", wrapped(&text, ""))?;

@@ -40,6 +40,7 @@ impl Watch {
                 self.keep(&samples);
             }
             Update::Event(event) => self.bar.set_message(format!("{:?}", event.kind).to_lowercase()),
+            Update::Operated(done) => self.bar.set_message(format!("operation {:?} done", done.0.request_id)),
             Update::FailedOver(change) => {
                 self.bar.set_message(format!("{}: {} goes on", change.cause.name(), change.to));
             }

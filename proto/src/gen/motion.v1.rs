@@ -3704,7 +3704,7 @@ impl ::prost::Name for RunTrackingRequest {
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct RunTrackingResponse {
     /// Exactly one of them.
-    #[prost(oneof = "run_tracking_response::Message", tags = "1, 2, 3, 4")]
+    #[prost(oneof = "run_tracking_response::Message", tags = "1, 2, 3, 4, 5")]
     pub message: ::core::option::Option<run_tracking_response::Message>,
 }
 /// Nested message and enum types in `RunTrackingResponse`.
@@ -3724,6 +3724,8 @@ pub mod run_tracking_response {
         /// Another replica goes on with the stream.
         #[prost(message, tag = "4")]
         FailOver(super::FailOver),
+        #[prost(message, tag = "5")]
+        Operated(super::Operated),
     }
 }
 impl ::prost::Name for RunTrackingResponse {
@@ -3735,6 +3737,13 @@ impl ::prost::Name for RunTrackingResponse {
     fn type_url() -> ::prost::alloc::string::String {
         "/motion.v1.RunTrackingResponse".into()
     }
+}
+#[derive(Clone, PartialEq, ::prost::Message)]
+pub struct Operated {
+    #[prost(message, optional, tag = "1")]
+    pub operation: ::core::option::Option<Operation>,
+    #[prost(message, optional, tag = "2")]
+    pub result: ::core::option::Option<OperationResult>,
 }
 /// One replica went on where another had served.
 #[derive(Clone, PartialEq, ::prost::Message)]

@@ -101,6 +101,14 @@ impl RemoteRun {
                         return Ok(Some(Update::FailedOver(change)));
                     }
                 }
+                Some(Message::Operated(pb::Operated {
+                    operation: Some(operation),
+                    result: Some(result),
+                })) => {
+                    return Ok(Some(Update::Operated(Box::new((operation.into(), result.into())))));
+                }
+                // An operation of which nothing is said is none.
+                Some(Message::Operated(_)) => {}
                 Some(Message::Report(report)) => self.report = Some(report.into()),
                 // Something that a newer simulator says beside the rest.
                 None => {}

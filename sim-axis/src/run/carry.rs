@@ -7,6 +7,8 @@ use std::time::Duration;
 
 use client::failover::{Change, News};
 use client::{Next, Uplink};
+use proto::Rejected;
+use proto::stream::{Operation, OperationResult};
 use tokio::sync::mpsc;
 
 use super::{StreamReport, TrackError, TrackingReport, Update};
@@ -33,7 +35,7 @@ pub(super) async fn carry(
     outside: Outside,
     teller: mpsc::Sender<Update>,
     (clock, ailing): (Clock, Ailing),
-    (commands, waiting): (Commands, Waiting),
+    (commands, waiting, asked): (Commands, Waiting, VecDeque<Operation>),
 ) -> Result<TrackingReport, TrackError> {
     // Kept to the end: without it the cycle thread stops at once.
     let Outside { mut feed, reports, samples, outcome } = outside;
@@ -47,6 +49,7 @@ pub(super) async fn carry(
         reports,
         commands,
         waiting: &waiting,
+        asked,
         events,
         failovers: &failovers,
         figures: Figures::resolve(),
@@ -129,6 +132,8 @@ struct Stream<'a> {
     reports: ReportRing,
     commands: Commands,
     waiting: &'a Waiting,
+    /// What was asked for and is not answered, the latest last.
+    asked: VecDeque<Operation>,
     events: mpsc::Sender<Update>,
     failovers: &'a AtomicU64,
     figures: Figures,
@@ -159,6 +164,7 @@ impl Stream<'_> {
                 command = self.commands.inbox.recv(), if asked => match command {
                     Some(Command { operation, answer }) => {
                         self.waiting.expect(&operation.request_id, answer);
+                        self.asked.push_back(operation.clone());
                         self.uplink.operate(operation);
                     }
                     None => asked = false,
@@ -176,7 +182,10 @@ impl Stream<'_> {
         // Who does not take up events loses the newest: none of them says what a report does not.
         match news {
             News::Opened(_) | News::Over(_) => {}
-            News::Answer(id, answer) => self.waiting.tell(&id, &answer),
+            News::Answer(id, answer) => {
+                self.waiting.tell(&id, &answer);
+                self.answered(&id, answer);
+            }
             News::Event(event) => {
                 self.watched.hear(event);
                 drop(self.events.try_send(Update::Event(event)));
@@ -189,6 +198,17 @@ impl Stream<'_> {
                 self.failovers.fetch_add(1, Ordering::Relaxed);
                 drop(self.events.try_send(Update::FailedOver(change)));
             }
+        }
+    }
+
+    /// Tells of an operation that was done, once.
+    fn answered(&mut self, id: &str, answer: Result<OperationResult, Rejected>) {
+        let place = self.asked.iter().position(|operation| operation.request_id == id);
+        let Some(operation) = place.and_then(|place| self.asked.remove(place)) else { return };
+        // Who has asked the same again hears the same, which is told already.
+        self.asked.retain(|operation| operation.request_id != id);
+        if let Ok(result) = answer {
+            drop(self.events.try_send(Update::Operated(Box::new((operation, result)))));
         }
     }
 

@@ -2,7 +2,7 @@
 
 use client::failover::Change;
 use proto::Digest;
-use proto::stream::{Counters, StreamEvent};
+use proto::stream::{Counters, Operation, OperationResult, StreamEvent};
 
 use crate::axis::InvalidConfig;
 use crate::jitter::Jitter;
@@ -47,6 +47,8 @@ pub enum Update {
     Event(StreamEvent),
     /// Another planner goes on with it.
     FailedOver(Change),
+    /// An operation that was asked for here has taken effect.
+    Operated(Box<(Operation, OperationResult)>),
 }
 
 /// Why a run has no report, or none that is whole.
