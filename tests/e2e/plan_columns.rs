@@ -29,8 +29,16 @@ fn columns(family: Family, count: usize) -> MoveColumns {
     columns.goal_position = drawn(count, 0.2);
     columns.max_velocity = drawn(count, 0.3).iter().map(|share| 0.3 + 0.2 * share).collect();
     columns.max_deceleration = drawn(count, 0.4).iter().map(|share| 3.0 + share).collect();
-    if !family.needs_rest() {
-        columns.start_velocity = drawn(count, 0.5).iter().map(|share| 0.12 * share).collect();
+    let travel = columns.start_position.iter().zip(&columns.goal_position).map(|(from, to)| to - from);
+    match family {
+        Family::SCurve => {
+            columns.start_velocity = drawn(count, 0.5).iter().map(|share| 0.12 * share).collect()
+        }
+        // A trapezoid does not turn.
+        Family::Trapezoidal => {
+            columns.start_velocity = travel.map(|travel| 0.05f64.copysign(travel)).collect()
+        }
+        Family::Polynomial | Family::Trigonometric => {}
     }
     if family == Family::SCurve {
         columns.start_acceleration = drawn(count, 0.6).iter().map(|share| share.max(0.0)).collect();
