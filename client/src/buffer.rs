@@ -312,7 +312,7 @@ impl Buffer {
     fn try_accept(&mut self, batch: &mut Batch) -> Result<(), RefusalReason> {
         let first = batch.first_cycle;
         let cycles = batch.columns.cycles() as u64;
-        if first == 0 || cycles == 0 || batch.columns.axes() != self.adopted.rules.len() {
+        if first == 0 || cycles == 0 {
             return Err(RefusalReason::NotFinite);
         }
         let begins = self.begins_revision(batch)?;
@@ -325,6 +325,9 @@ impl Buffer {
         let end = first.checked_add(cycles - 1).ok_or(RefusalReason::BeyondGrant)?;
         if end > self.executed + self.lead {
             return Err(RefusalReason::BeyondGrant);
+        }
+        if batch.columns.axes() != self.adopted.rules.len() {
+            return Err(RefusalReason::NotFinite);
         }
         let known = if batch.replaces { 0 } else { (self.accepted + 1 - first).min(cycles) };
         self.compare_held(batch, known)?;
@@ -433,7 +436,7 @@ impl Buffer {
         Ok(())
     }
 
-    /// Does the way to rest follow from the last setpoint of the batch, and end at rest?
+    /// Does the way to rest follow from the last setpoint of the batch, and end at rest? After the last batch there is none to go.
     fn check_tails(&self, batch: &Batch, begins: bool) -> Result<(), RefusalReason> {
         let announced = self.announced.as_ref().filter(|_| begins);
         let rules = announced.map_or(&self.adopted.rules, |revision| &revision.rules);
@@ -446,7 +449,7 @@ impl Buffer {
                 None => setpoint.state.is_at_rest(),
             }
         });
-        let whole = tails.is_empty() || tails.len() == rules.len();
+        let whole = tails.is_empty() || (tails.len() == rules.len() && !batch.last);
         if whole && rests.all(|rests| rests) { Ok(()) } else { Err(RefusalReason::StopTail) }
     }
 

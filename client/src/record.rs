@@ -15,19 +15,34 @@ pub struct Record {
     announced: Option<Motion>,
     /// Digests of cycles that were reported as held, ascending; of the adopted motion alone, and never empty.
     marks: VecDeque<(u64, Digest)>,
-    /// The ways to rest that came with batches: revision, last cycle and way.
-    tails: VecDeque<(u64, u64, Tails)>,
+    /// What came with batches that the axis was given, in that order: it may hold them or have refused them.
+    carried: VecDeque<Carried>,
     executed: u64,
     /// The last cycle of the stream, once a batch has said so.
     last: Option<u64>,
 }
+
+/// Of a batch, what is needed once the axis holds it.
+#[derive(Clone, Debug)]
+struct Carried {
+    revision: u64,
+    first_cycle: u64,
+    last_cycle: u64,
+    /// The way to rest from there.
+    tails: Tails,
+    /// Is that the end of the stream?
+    last: bool,
+}
+
+/// Batches that no report has spoken of yet: many more than a lead has, however small they are.
+const MOST_CARRIED: usize = 1024;
 
 impl Record {
     /// Of a stream that has just been opened.
     #[must_use]
     pub fn opened(motion: Motion) -> Self {
         let marks = VecDeque::from([(0, Digest::ZERO)]);
-        Self { motion, announced: None, marks, tails: VecDeque::new(), executed: 0, last: None }
+        Self { motion, announced: None, marks, carried: VecDeque::new(), executed: 0, last: None }
     }
 
     /// The motion that is adopted.
@@ -69,10 +84,11 @@ impl Record {
         self.announced = Some(motion);
     }
 
-    /// Makes of a bare batch one with setpoints and way to rest, by the motion that it follows from. What is of no motion, or not within it,
-    /// stays as it is, and no axis takes that.
-    pub(crate) fn evaluate(&self, batch: &mut Batch) {
-        if !batch.columns.is_bare() {
+    /// Makes of a bare batch one with setpoints and way to rest, by the motion that it follows from. What is of no motion, not within it, or
+    /// beyond what an axis grants that holds `lead_cycles`, stays as it is, and no axis takes that.
+    pub(crate) fn evaluate(&self, batch: &mut Batch, lead_cycles: u64) {
+        let granted = self.executed.saturating_add(lead_cycles);
+        if !batch.columns.is_bare() || batch.last_cycle() > granted {
             return;
         }
         let motions = [Some(&self.motion), self.announced.as_ref()];
@@ -88,19 +104,32 @@ impl Record {
             Columns::of_plan(motion.plan(), motion.plan_cycle(first)..motion.plan_cycle(last) + 1);
     }
 
-    /// Takes note of a batch that the axis is given.
+    /// Takes note of a batch that the axis is given. It counts once a report shows that the axis holds it: it may be refused, or bring
+    /// nothing that is not held already.
     pub fn carry(&mut self, batch: &Batch) {
-        let end = batch.last_cycle();
-        // What it replaces is not the end any more.
-        self.last = if batch.last { Some(end) } else { self.last.filter(|last| *last < batch.first_cycle) };
-        self.tails.retain(|(_, cycle, _)| *cycle != end);
-        self.tails.push_back((batch.revision, end, batch.tails.clone()));
+        let &Batch { revision, first_cycle, last, .. } = batch;
+        let (last_cycle, tails) = (batch.last_cycle(), batch.tails.clone());
+        if self.carried.len() < MOST_CARRIED {
+            self.carried.push_back(Carried { revision, first_cycle, last_cycle, tails, last });
+        }
+    }
+
+    /// The first batch with that end that is not refused, which is the one that the axis holds.
+    fn held_batch(&self, revision: u64, last_cycle: u64) -> Option<&Carried> {
+        self.carried.iter().find(|batch| batch.revision == revision && batch.last_cycle == last_cycle)
     }
 
     /// Takes over what the axis says of itself.
     pub fn report(&mut self, report: &Report) {
         let &Report { executed_cycle, accepted_cycle, revision, digest, .. } = report;
         self.executed = self.executed.max(executed_cycle);
+        if let Some(refused) = &report.refused {
+            let is_refused = |batch: &Carried| {
+                (batch.revision, batch.first_cycle) == (refused.revision, refused.first_cycle)
+            };
+            let place = self.carried.iter().position(is_refused);
+            place.and_then(|place| self.carried.remove(place));
+        }
         if let Some(adopted) = self.announced.take_if(|announced| announced.revision() == revision) {
             self.adopt(adopted);
         }
@@ -116,7 +145,19 @@ impl Record {
         while self.marks.len() > 1 && self.marks.front().is_some_and(|(cycle, _)| *cycle + 1 < oldest) {
             self.marks.pop_front();
         }
-        self.tails.retain(|(_, cycle, _)| *cycle >= accepted_cycle);
+        self.last = match self.held_batch(revision, accepted_cycle) {
+            Some(batch) => batch.last.then_some(accepted_cycle),
+            // Of what was held before another server went on, say.
+            None => self.last.filter(|last| *last == accepted_cycle),
+        };
+        // Of what has the same end, the first was taken.
+        let mut is_found = false;
+        self.carried.retain(|batch| {
+            let of_it = batch.revision == revision;
+            let is_repeated =
+                of_it && batch.last_cycle == accepted_cycle && std::mem::replace(&mut is_found, true);
+            !is_repeated && (batch.revision > revision || (of_it && batch.last_cycle >= accepted_cycle))
+        });
     }
 
     fn adopt(&mut self, motion: Motion) {
@@ -136,8 +177,7 @@ impl Record {
     /// A way to rest that did not come with that cycle, or that the judge does not accept.
     pub fn starve(&mut self, from: u64, digest: Digest) -> Result<Digest, Rejected> {
         let revision = self.motion.revision();
-        let way = self.tails.iter().find(|(of, cycle, _)| *of == revision && *cycle == from);
-        let tails = way.map(|(_, _, tails)| tails.clone()).unwrap_or_default();
+        let tails = self.held_batch(revision, from).map(|batch| batch.tails.clone()).unwrap_or_default();
         let known = self.marks.iter().rev().find(|(cycle, _)| *cycle < from);
         let first = self.motion.under_way.from_cycle();
         let known = known.copied().unwrap_or((first.saturating_sub(1), self.motion.digest_before));
@@ -151,7 +191,7 @@ impl Record {
         self.motion = motion;
         self.announced = None;
         self.marks = VecDeque::from([(checkpoint, at_checkpoint), (rests, end)]);
-        self.tails.clear();
+        self.carried.clear();
         self.last = None;
         Ok(end)
     }

@@ -256,7 +256,8 @@ impl Columns {
     ) -> Option<Self> {
         let length = position.len();
         let same = [&velocity, &acceleration, &jerk].iter().all(|column| column.len() == length);
-        let whole = if cycles == 0 { length == 0 } else { length.is_multiple_of(cycles) };
+        // Bare ones are made on purpose alone.
+        let whole = if cycles == 0 { length == 0 } else { length > 0 && length.is_multiple_of(cycles) };
         (same && whole).then_some(Self { cycles, position, velocity, acceleration, jerk })
     }
 

@@ -213,6 +213,18 @@ fn a_bare_batch_comes_back_unless_it_is_too_long() {
     assert_eq!((rejected.reason, field), (proto::Reason::ValueOutOfRange, "batch.cycles"), "{rejected}");
 }
 
+/// Otherwise a message of some bytes would be four thousand million setpoints to whoever evaluates them.
+#[test]
+fn columns_of_cycles_without_numbers_are_none() {
+    for (cycles, beside) in [(u32::MAX, 0), (20, 20), (0, 20)] {
+        let columns = Some(pb::SetpointColumns { cycles, ..Default::default() });
+        let batch = pb::SetpointBatch { first_cycle: 1, columns, cycles: beside, ..Default::default() };
+        let message = Some(pb::stream_setpoints_response::Message::Batch(batch));
+        let rejected = response_from_wire(pb::StreamSetpointsResponse { epoch: 1, message }).unwrap_err();
+        assert_eq!(rejected.reason, proto::Reason::LengthMismatch, "{rejected}");
+    }
+}
+
 /// The wire drops the sign of a zero: a plan from negative zeros has to sample to the same bits on both sides of it.
 #[test]
 fn negative_zeros_do_not_change_the_bits() {

@@ -7,8 +7,10 @@ use client::failover::{Action, Cause, Failover, Feed, News};
 use client::{Buffer, Error, Standing};
 use e2e::{move_of, open, planned};
 use planner::Setpoint;
-use proto::stream::{Ask, FromAxis, Open, Operation, OperationRefusal, Source, ToAxis};
-use proto::{Reason, Rejected};
+use proto::stream::{
+    Ask, Batch, Columns, FromAxis, Open, Operation, OperationRefusal, Source, Tails, ToAxis,
+};
+use proto::{Digest, Reason, Rejected};
 use server::session::{Event, Output, Session};
 
 const LEAD: u32 = 40;
@@ -28,6 +30,8 @@ struct Stage {
     answers: Vec<(String, Result<(), Reason>)>,
     causes: Vec<(Cause, String, String)>,
     over: Option<Result<(), Error>>,
+    /// A batch may be refused.
+    lied_to: bool,
 }
 
 impl Stage {
@@ -50,6 +54,7 @@ impl Stage {
             answers: Vec::new(),
             causes: Vec::new(),
             over: None,
+            lied_to: false,
         };
         stage.act();
         stage
@@ -88,7 +93,14 @@ impl Stage {
         let buffer = self.buffer.as_mut().expect("it is open");
         match feed {
             Feed::Revised(epoch, revision) => drop(buffer.announce(epoch, revision)),
-            Feed::Batch(epoch, mut batch) => buffer.accept(epoch, &mut batch).expect("it is taken"),
+            Feed::Batch(epoch, mut batch) => {
+                let refused = buffer.accept(epoch, &mut batch).err();
+                assert!(refused.is_none() || self.lied_to, "{refused:?}");
+                let (report, heeded) = (buffer.report(refused.clone()), self.heeded);
+                if refused.is_some() {
+                    self.core.reported(self.now, report, heeded);
+                }
+            }
             Feed::Resuming => {
                 buffer.resuming(true);
                 self.heeded += 1;
@@ -260,6 +272,54 @@ fn what_is_whole_needs_nobody_to_go_on() {
     stage.dies();
     assert_eq!(stage.over, Some(Ok(())), "{:?}", stage.tried);
     assert!(stage.tried.is_empty());
+}
+
+/// What the serving server sends again, of the last ten cycles that are held, otherwise than it was.
+fn lies(stage: &mut Stage, change: impl FnOnce(Batch) -> Batch) {
+    let held = u64::from(LEAD);
+    let plan = planned(move_of(0.05, 0.25));
+    let columns = Columns::of_plan(plan.plan(), held - 9..held + 1);
+    let batch = Batch {
+        first_cycle: held - 9,
+        revision: 0,
+        replaces: false,
+        last: false,
+        columns,
+        digest: Digest::from(1),
+        tails: Tails::default(),
+    };
+    stage.lied_to = true;
+    stage.core.heard(stage.now, stage.serving(), ToAxis::Batch(change(batch)));
+    stage.act();
+}
+
+/// A batch that brings nothing new, or is refused, says nothing of where the stream ends.
+#[test]
+fn the_end_is_that_of_what_is_held() {
+    let refused = |batch| Batch { replaces: true, last: true, revision: 7, ..batch };
+    for change in [|batch| Batch { last: true, ..batch }, refused] {
+        let mut stage = Stage::served(2);
+        lies(&mut stage, change);
+        stage.report();
+        stage.dies();
+        assert_eq!(stage.over, None);
+        assert_eq!(stage.opens("b"), 1);
+        assert_eq!(stage.causes.len(), 1);
+    }
+}
+
+/// An axis that starves plays the way to rest that it holds, whatever came after that and was not taken.
+#[test]
+fn the_way_to_rest_is_that_of_what_is_held() {
+    let mut stage = Stage::served(2);
+    lies(&mut stage, |batch| Batch { replaces: true, revision: 7, ..batch });
+    stage.dies();
+    stage.play(u64::from(LEAD));
+    assert!(stage.buffer.as_mut().unwrap().starve(), "it moves");
+    stage.report();
+    assert_eq!(stage.over, None);
+    stage.opens("b");
+    assert_eq!(stage.causes.last().map(|cause| cause.0), Some(Cause::Starved));
 }
 
 #[test]

@@ -27,6 +27,8 @@ pub(crate) enum Lie {
     NoTail,
     /// It sends a way to rest that begins elsewhere.
     OtherTail,
+    /// It sends no setpoints, as if the axis had asked to evaluate them.
+    Bare,
     /// It ends the stream as soon as it has announced a revision.
     DiesOnceRevised,
 }
@@ -113,6 +115,7 @@ fn falsified(lie: Lie, batch: Batch) -> Option<Batch> {
         Lie::WrongDigest => Some(Batch { digest: proto::Digest::from(u64::from(batch.digest) ^ 1), ..batch }),
         Lie::NotFinite => Some(changed(|[_, velocity, ..]| velocity[0] = f64::NAN)),
         Lie::NoTail => Some(Batch { tails: Tails::default(), ..batch }),
+        Lie::Bare => Some(Batch { columns: Columns::bare(batch.columns.cycles()), ..batch }),
         Lie::OtherTail => {
             let ways = batch.tails.profiles().iter().map(|way| {
                 planner::Profile::new(way.timed_segments().map(|(_, piece)| piece).skip(1), way.end())

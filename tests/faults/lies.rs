@@ -20,6 +20,7 @@ async fn no_lie_reaches_the_servo() {
         Lie::NotFinite,
         Lie::NoTail,
         Lie::OtherTail,
+        Lie::Bare,
     ];
     for lie in lies {
         runs.spawn(lied_to(lie));

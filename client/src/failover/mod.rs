@@ -326,7 +326,9 @@ impl Failover {
             ToAxis::Batch(mut batch) => {
                 (self.fed_at, self.fed_to) = (now, batch.last_cycle());
                 if let Some(record) = &mut self.record {
-                    record.evaluate(&mut batch);
+                    if self.open.compact {
+                        record.evaluate(&mut batch, u64::from(self.open.lead_cycles));
+                    }
                     record.carry(&batch);
                 }
                 self.feed(Feed::Batch(epoch, batch));

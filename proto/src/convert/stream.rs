@@ -281,7 +281,12 @@ fn batch_from_wire(wire: pb::SetpointBatch) -> Result<Batch, Rejected> {
     let pb::SetpointBatch { first_cycle, revision, replaces, last, columns, stop_tails, digest, cycles } =
         wire;
     let columns = match columns {
-        Some(columns) => columns.try_into()?,
+        Some(columns) if cycles == 0 || cycles == columns.cycles => columns.try_into()?,
+        Some(columns) => {
+            let text =
+                format!("is {cycles}, and there are columns of {} cycles: leave it out", columns.cycles);
+            return Err(Rejected::for_field("batch.cycles", Reason::LengthMismatch, text));
+        }
         None if u64::from(cycles) <= FARTHEST_AHEAD => Columns::bare(cycles as usize),
         None => {
             let text = format!("is {cycles}: a batch has {FARTHEST_AHEAD} cycles at most");

@@ -3724,6 +3724,7 @@ pub mod run_tracking_response {
         /// Another replica goes on with the stream.
         #[prost(message, tag = "4")]
         FailOver(super::FailOver),
+        /// An operation that was asked for at this axis has taken effect.
         #[prost(message, tag = "5")]
         Operated(super::Operated),
     }
@@ -3738,12 +3739,25 @@ impl ::prost::Name for RunTrackingResponse {
         "/motion.v1.RunTrackingResponse".into()
     }
 }
+/// What was asked for, and what became of it.
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Operated {
+    /// As it was asked for.
     #[prost(message, optional, tag = "1")]
     pub operation: ::core::option::Option<Operation>,
+    /// What became of it.
     #[prost(message, optional, tag = "2")]
     pub result: ::core::option::Option<OperationResult>,
+}
+impl ::prost::Name for Operated {
+    const NAME: &'static str = "Operated";
+    const PACKAGE: &'static str = "motion.v1";
+    fn full_name() -> ::prost::alloc::string::String {
+        "motion.v1.Operated".into()
+    }
+    fn type_url() -> ::prost::alloc::string::String {
+        "/motion.v1.Operated".into()
+    }
 }
 /// One replica went on where another had served.
 #[derive(Clone, PartialEq, ::prost::Message)]

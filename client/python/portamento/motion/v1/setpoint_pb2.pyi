@@ -54,7 +54,7 @@ class StreamSetpointsRequest(_message.Message):
     def __init__(self, open: _Optional[_Union[Open, _Mapping]] = ..., report: _Optional[_Union[AxisReport, _Mapping]] = ..., operation: _Optional[_Union[Operation, _Mapping]] = ...) -> None: ...
 
 class Open(_message.Message):
-    __slots__ = ("stream", "epoch", "lead_cycles", "batch_cycles", "axis_guard", "close_at_rest", "accept_unproved", "executed_cycle", "plan", "resume")
+    __slots__ = ("stream", "epoch", "lead_cycles", "batch_cycles", "axis_guard", "close_at_rest", "accept_unproved", "executed_cycle", "compact", "plan", "resume")
     STREAM_FIELD_NUMBER: _ClassVar[int]
     EPOCH_FIELD_NUMBER: _ClassVar[int]
     LEAD_CYCLES_FIELD_NUMBER: _ClassVar[int]
@@ -63,6 +63,7 @@ class Open(_message.Message):
     CLOSE_AT_REST_FIELD_NUMBER: _ClassVar[int]
     ACCEPT_UNPROVED_FIELD_NUMBER: _ClassVar[int]
     EXECUTED_CYCLE_FIELD_NUMBER: _ClassVar[int]
+    COMPACT_FIELD_NUMBER: _ClassVar[int]
     PLAN_FIELD_NUMBER: _ClassVar[int]
     RESUME_FIELD_NUMBER: _ClassVar[int]
     stream: str
@@ -73,9 +74,10 @@ class Open(_message.Message):
     close_at_rest: bool
     accept_unproved: bool
     executed_cycle: int
+    compact: bool
     plan: _plan_pb2.Plan
     resume: Resume
-    def __init__(self, stream: _Optional[str] = ..., epoch: _Optional[int] = ..., lead_cycles: _Optional[int] = ..., batch_cycles: _Optional[int] = ..., axis_guard: _Optional[int] = ..., close_at_rest: _Optional[bool] = ..., accept_unproved: _Optional[bool] = ..., executed_cycle: _Optional[int] = ..., plan: _Optional[_Union[_plan_pb2.Plan, _Mapping]] = ..., resume: _Optional[_Union[Resume, _Mapping]] = ...) -> None: ...
+    def __init__(self, stream: _Optional[str] = ..., epoch: _Optional[int] = ..., lead_cycles: _Optional[int] = ..., batch_cycles: _Optional[int] = ..., axis_guard: _Optional[int] = ..., close_at_rest: _Optional[bool] = ..., accept_unproved: _Optional[bool] = ..., executed_cycle: _Optional[int] = ..., compact: _Optional[bool] = ..., plan: _Optional[_Union[_plan_pb2.Plan, _Mapping]] = ..., resume: _Optional[_Union[Resume, _Mapping]] = ...) -> None: ...
 
 class Resume(_message.Message):
     __slots__ = ("motion", "next_cycle", "digest", "checkpoint_cycle", "checkpoint_digest")
@@ -276,7 +278,7 @@ class MotionRevised(_message.Message):
     def __init__(self, motion: _Optional[_Union[Motion, _Mapping]] = ..., certificate: _Optional[_Union[_plan_pb2.PlanCertificate, _Mapping]] = ...) -> None: ...
 
 class SetpointBatch(_message.Message):
-    __slots__ = ("first_cycle", "revision", "replaces", "last", "columns", "stop_tails", "digest")
+    __slots__ = ("first_cycle", "revision", "replaces", "last", "columns", "stop_tails", "digest", "cycles")
     FIRST_CYCLE_FIELD_NUMBER: _ClassVar[int]
     REVISION_FIELD_NUMBER: _ClassVar[int]
     REPLACES_FIELD_NUMBER: _ClassVar[int]
@@ -284,6 +286,7 @@ class SetpointBatch(_message.Message):
     COLUMNS_FIELD_NUMBER: _ClassVar[int]
     STOP_TAILS_FIELD_NUMBER: _ClassVar[int]
     DIGEST_FIELD_NUMBER: _ClassVar[int]
+    CYCLES_FIELD_NUMBER: _ClassVar[int]
     first_cycle: int
     revision: int
     replaces: bool
@@ -291,7 +294,8 @@ class SetpointBatch(_message.Message):
     columns: _plan_pb2.SetpointColumns
     stop_tails: _containers.RepeatedCompositeFieldContainer[StopTail]
     digest: int
-    def __init__(self, first_cycle: _Optional[int] = ..., revision: _Optional[int] = ..., replaces: _Optional[bool] = ..., last: _Optional[bool] = ..., columns: _Optional[_Union[_plan_pb2.SetpointColumns, _Mapping]] = ..., stop_tails: _Optional[_Iterable[_Union[StopTail, _Mapping]]] = ..., digest: _Optional[int] = ...) -> None: ...
+    cycles: int
+    def __init__(self, first_cycle: _Optional[int] = ..., revision: _Optional[int] = ..., replaces: _Optional[bool] = ..., last: _Optional[bool] = ..., columns: _Optional[_Union[_plan_pb2.SetpointColumns, _Mapping]] = ..., stop_tails: _Optional[_Iterable[_Union[StopTail, _Mapping]]] = ..., digest: _Optional[int] = ..., cycles: _Optional[int] = ...) -> None: ...
 
 class StopTail(_message.Message):
     __slots__ = ("segments", "rest_position")

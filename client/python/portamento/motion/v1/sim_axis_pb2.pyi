@@ -109,7 +109,7 @@ class Encoder(_message.Message):
     def __init__(self, resolution: _Optional[float] = ...) -> None: ...
 
 class RunTrackingRequest(_message.Message):
-    __slots__ = ("stream", "endpoints", "plan", "models", "lead_cycles", "virtual_time", "settle_window", "settle_tolerance", "stay_open", "accept_unproved", "patience")
+    __slots__ = ("stream", "endpoints", "plan", "models", "lead_cycles", "virtual_time", "settle_window", "settle_tolerance", "stay_open", "accept_unproved", "patience", "compact")
     STREAM_FIELD_NUMBER: _ClassVar[int]
     ENDPOINTS_FIELD_NUMBER: _ClassVar[int]
     PLAN_FIELD_NUMBER: _ClassVar[int]
@@ -121,6 +121,7 @@ class RunTrackingRequest(_message.Message):
     STAY_OPEN_FIELD_NUMBER: _ClassVar[int]
     ACCEPT_UNPROVED_FIELD_NUMBER: _ClassVar[int]
     PATIENCE_FIELD_NUMBER: _ClassVar[int]
+    COMPACT_FIELD_NUMBER: _ClassVar[int]
     stream: str
     endpoints: _containers.RepeatedScalarFieldContainer[str]
     plan: _plan_pb2.Plan
@@ -132,19 +133,30 @@ class RunTrackingRequest(_message.Message):
     stay_open: bool
     accept_unproved: bool
     patience: _duration_pb2.Duration
-    def __init__(self, stream: _Optional[str] = ..., endpoints: _Optional[_Iterable[str]] = ..., plan: _Optional[_Union[_plan_pb2.Plan, _Mapping]] = ..., models: _Optional[_Iterable[_Union[AxisModel, _Mapping]]] = ..., lead_cycles: _Optional[int] = ..., virtual_time: _Optional[bool] = ..., settle_window: _Optional[_Union[datetime.timedelta, _duration_pb2.Duration, _Mapping]] = ..., settle_tolerance: _Optional[float] = ..., stay_open: _Optional[bool] = ..., accept_unproved: _Optional[bool] = ..., patience: _Optional[_Union[datetime.timedelta, _duration_pb2.Duration, _Mapping]] = ...) -> None: ...
+    compact: bool
+    def __init__(self, stream: _Optional[str] = ..., endpoints: _Optional[_Iterable[str]] = ..., plan: _Optional[_Union[_plan_pb2.Plan, _Mapping]] = ..., models: _Optional[_Iterable[_Union[AxisModel, _Mapping]]] = ..., lead_cycles: _Optional[int] = ..., virtual_time: _Optional[bool] = ..., settle_window: _Optional[_Union[datetime.timedelta, _duration_pb2.Duration, _Mapping]] = ..., settle_tolerance: _Optional[float] = ..., stay_open: _Optional[bool] = ..., accept_unproved: _Optional[bool] = ..., patience: _Optional[_Union[datetime.timedelta, _duration_pb2.Duration, _Mapping]] = ..., compact: _Optional[bool] = ...) -> None: ...
 
 class RunTrackingResponse(_message.Message):
-    __slots__ = ("samples", "event", "report", "fail_over")
+    __slots__ = ("samples", "event", "report", "fail_over", "operated")
     SAMPLES_FIELD_NUMBER: _ClassVar[int]
     EVENT_FIELD_NUMBER: _ClassVar[int]
     REPORT_FIELD_NUMBER: _ClassVar[int]
     FAIL_OVER_FIELD_NUMBER: _ClassVar[int]
+    OPERATED_FIELD_NUMBER: _ClassVar[int]
     samples: TrackingSamples
     event: _setpoint_pb2.StreamEvent
     report: TrackingReport
     fail_over: FailOver
-    def __init__(self, samples: _Optional[_Union[TrackingSamples, _Mapping]] = ..., event: _Optional[_Union[_setpoint_pb2.StreamEvent, _Mapping]] = ..., report: _Optional[_Union[TrackingReport, _Mapping]] = ..., fail_over: _Optional[_Union[FailOver, _Mapping]] = ...) -> None: ...
+    operated: Operated
+    def __init__(self, samples: _Optional[_Union[TrackingSamples, _Mapping]] = ..., event: _Optional[_Union[_setpoint_pb2.StreamEvent, _Mapping]] = ..., report: _Optional[_Union[TrackingReport, _Mapping]] = ..., fail_over: _Optional[_Union[FailOver, _Mapping]] = ..., operated: _Optional[_Union[Operated, _Mapping]] = ...) -> None: ...
+
+class Operated(_message.Message):
+    __slots__ = ("operation", "result")
+    OPERATION_FIELD_NUMBER: _ClassVar[int]
+    RESULT_FIELD_NUMBER: _ClassVar[int]
+    operation: _setpoint_pb2.Operation
+    result: _setpoint_pb2.OperationResult
+    def __init__(self, operation: _Optional[_Union[_setpoint_pb2.Operation, _Mapping]] = ..., result: _Optional[_Union[_setpoint_pb2.OperationResult, _Mapping]] = ...) -> None: ...
 
 class FailOver(_message.Message):
     __slots__ = ("cause", "to", "executed_cycle", "took")
