@@ -50,6 +50,7 @@ pub(super) async fn carry(
         commands,
         waiting: &waiting,
         asked,
+        told_revision: 0,
         events,
         failovers: &failovers,
         figures: Figures::resolve(),
@@ -134,6 +135,8 @@ struct Stream<'a> {
     waiting: &'a Waiting,
     /// What was asked for and is not answered, the latest last.
     asked: VecDeque<Operation>,
+    /// The revision of the last operation that was told of.
+    told_revision: u64,
     events: mpsc::Sender<Update>,
     failovers: &'a AtomicU64,
     figures: Figures,
@@ -205,9 +208,12 @@ impl Stream<'_> {
     fn answered(&mut self, id: &str, answer: Result<OperationResult, Rejected>) {
         let place = self.asked.iter().position(|operation| operation.request_id == id);
         let Some(operation) = place.and_then(|place| self.asked.remove(place)) else { return };
-        // Who has asked the same again hears the same, which is told already.
         self.asked.retain(|operation| operation.request_id != id);
-        if let Ok(result) = answer {
+        // Who asks the same again hears of the same revision, which is told already; and what changed nothing has none.
+        if let Ok(result) = answer
+            && result.revision > self.told_revision
+        {
+            self.told_revision = result.revision;
             drop(self.events.try_send(Update::Operated(Box::new((operation, result)))));
         }
     }
