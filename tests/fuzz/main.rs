@@ -62,7 +62,10 @@ fn columns_of_plans() {
         let Ok(wire) = pb::PlanColumns::decode(bytes) else { return };
         let Some(planned) = checked(proto::PlannedMoves::from_wire(wire)) else { return };
         for index in 0..planned.len().min(4) {
-            assert!(planned.outcome(index).is_some());
+            // What a peer says in a refusal of his is his.
+            if planned.outcome(index).unwrap().is_err() {
+                continue;
+            }
             let Some(plan) = checked(planned.plan(index, &asked)) else { continue };
             assert_eq!(plan.plan().sampler().at(1).count(), 1);
         }
