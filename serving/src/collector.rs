@@ -1,6 +1,8 @@
 use std::str::FromStr;
 use std::time::Duration;
 
+use rustls_pki_types::CertificateDer;
+use rustls_pki_types::pem::PemObject as _;
 use tonic::transport::{Certificate, ClientTlsConfig, Endpoint};
 
 /// Where spans go: an OpenTelemetry collector that takes OTLP over gRPC, as `http://127.0.0.1:4317` or `https://collector:4317`.
@@ -56,6 +58,10 @@ impl Collector {
             }
             None => Ok(Self { endpoint, is_encrypted }),
             Some(pem) => {
+                if !holds_authorities(&pem) {
+                    let text = "does not serve: give certificates of authorities as PEM";
+                    return Err(("otlp-ca", text.to_owned()));
+                }
                 let tls = ClientTlsConfig::new().ca_certificate(Certificate::from_pem(pem));
                 let endpoint = endpoint.tls_config(tls).map_err(|error| {
                     let text = proto::unreachable(&error).message().to_owned();
@@ -71,6 +77,15 @@ impl Collector {
     pub(crate) fn channel(&self) -> tonic::transport::Channel {
         self.endpoint.connect_lazy()
     }
+}
+
+/// Is it one certificate of an authority or more, as PEM? TLS itself leaves out what it cannot read, and trusts nobody then.
+fn holds_authorities(pem: &[u8]) -> bool {
+    let mut authorities = CertificateDer::pem_slice_iter(pem).peekable();
+    let sound = |certificate: Result<CertificateDer<'_>, _>| {
+        certificate.is_ok_and(|certificate| webpki::anchor_from_trusted_cert(&certificate).is_ok())
+    };
+    authorities.peek().is_some() && authorities.all(sound)
 }
 
 /// How long a collector may take to be there, and to take what it is given. What it does not take is lost, and said in the log.
@@ -89,7 +104,7 @@ mod tests {
             ("collector:4317", "no scheme"),
             ("somewhere", "no scheme"),
             ("", "empty"),
-            ("http://", "invalid"),
+            ("http://", "empty"),
             ("http://:4317", "names no host"),
             ("ftp://collector:21", "the scheme is ftp"),
             ("http://collector:4318/v1/traces", "its own path"),
