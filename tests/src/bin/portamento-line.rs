@@ -1,6 +1,8 @@
 //! A line between axes and a server that is worse than the network: it delays what is said, unevenly, and now and then nothing comes
 //! through for a while. For containers, where `tc … netem` takes a kernel that has it, and rights that no container needs.
 
+#![allow(rustdoc::broken_intra_doc_links, reason = "units stand in square brackets in help texts")]
+
 use std::error::Error;
 use std::io::Write as _;
 use std::net::SocketAddr;
