@@ -15,11 +15,11 @@ pub struct Record {
     announced: Option<Motion>,
     /// Digests of cycles that were reported as held, ascending; of the adopted motion alone, and never empty.
     marks: VecDeque<(u64, Digest)>,
-    /// What came with batches that the axis was given, in that order: it may hold them or have refused them.
+    /// The batch that brought the last cycle that is held; `None` where no batch has, as after a way to rest.
+    newest: Option<Carried>,
+    /// Batches that the axis was given, in that order, and that no report has spoken of yet.
     carried: VecDeque<Carried>,
     executed: u64,
-    /// The last cycle of the stream, once a batch has said so.
-    last: Option<u64>,
 }
 
 /// Of a batch, what is needed once the axis holds it.
@@ -42,7 +42,7 @@ impl Record {
     #[must_use]
     pub fn opened(motion: Motion) -> Self {
         let marks = VecDeque::from([(0, Digest::ZERO)]);
-        Self { motion, announced: None, marks, carried: VecDeque::new(), executed: 0, last: None }
+        Self { motion, announced: None, marks, newest: None, carried: VecDeque::new(), executed: 0 }
     }
 
     /// The motion that is adopted.
@@ -66,13 +66,18 @@ impl Record {
     /// Does the axis hold everything up to the last cycle of the stream?
     #[must_use]
     pub fn is_whole(&self) -> bool {
-        self.last.is_some_and(|last| self.held() >= last)
+        self.last().is_some()
     }
 
     /// Has the axis executed the last cycle of the stream?
     #[must_use]
     pub fn is_executed(&self) -> bool {
-        self.last.is_some_and(|last| self.executed >= last)
+        self.last().is_some_and(|last| self.executed >= last)
+    }
+
+    /// The last cycle of the stream, once it is held.
+    fn last(&self) -> Option<u64> {
+        self.newest.as_ref().filter(|batch| batch.last).map(|batch| batch.last_cycle)
     }
 
     fn mark(&self) -> (u64, Digest) {
@@ -94,8 +99,7 @@ impl Record {
         let motions = [Some(&self.motion), self.announced.as_ref()];
         let of_it = motions.into_iter().flatten().find(|motion| motion.revision() == batch.revision);
         let (first, last) = (batch.first_cycle, batch.last_cycle());
-        let Some(motion) = of_it.filter(|motion| first > motion.under_way.from_cycle().saturating_sub(1))
-        else {
+        let Some(motion) = of_it.filter(|motion| first >= motion.under_way.from_cycle().max(1)) else {
             return;
         };
         // Where there is no way to rest, that is why no axis takes the batch.
@@ -114,22 +118,11 @@ impl Record {
         }
     }
 
-    /// The first batch with that end that is not refused, which is the one that the axis holds.
-    fn held_batch(&self, revision: u64, last_cycle: u64) -> Option<&Carried> {
-        self.carried.iter().find(|batch| batch.revision == revision && batch.last_cycle == last_cycle)
-    }
-
     /// Takes over what the axis says of itself.
     pub fn report(&mut self, report: &Report) {
         let &Report { executed_cycle, accepted_cycle, revision, digest, .. } = report;
         self.executed = self.executed.max(executed_cycle);
-        if let Some(refused) = &report.refused {
-            let is_refused = |batch: &Carried| {
-                (batch.revision, batch.first_cycle) == (refused.revision, refused.first_cycle)
-            };
-            let place = self.carried.iter().position(is_refused);
-            place.and_then(|place| self.carried.remove(place));
-        }
+        self.settle(report);
         if let Some(adopted) = self.announced.take_if(|announced| announced.revision() == revision) {
             self.adopt(adopted);
         }
@@ -145,19 +138,25 @@ impl Record {
         while self.marks.len() > 1 && self.marks.front().is_some_and(|(cycle, _)| *cycle + 1 < oldest) {
             self.marks.pop_front();
         }
-        self.last = match self.held_batch(revision, accepted_cycle) {
-            Some(batch) => batch.last.then_some(accepted_cycle),
-            // Of what was held before another server went on, say.
-            None => self.last.filter(|last| *last == accepted_cycle),
-        };
-        // Of what has the same end, the first was taken.
-        let mut is_found = false;
-        self.carried.retain(|batch| {
-            let of_it = batch.revision == revision;
-            let is_repeated =
-                of_it && batch.last_cycle == accepted_cycle && std::mem::replace(&mut is_found, true);
-            !is_repeated && (batch.revision > revision || (of_it && batch.last_cycle >= accepted_cycle))
-        });
+    }
+
+    /// Finds out which of the batches that were carried the axis holds, and which it has refused.
+    fn settle(&mut self, report: &Report) {
+        let of_it = |batch: &Carried| (batch.revision, batch.last_cycle);
+        let held = (report.revision, report.accepted_cycle);
+        if self.newest.as_ref().map(of_it) != Some(held) {
+            // Of those with one end the first was taken: what came after it brought nothing, or was refused.
+            let place = self.carried.iter().position(|batch| of_it(batch) == held);
+            self.newest = place.and_then(|place| self.carried.remove(place));
+        }
+        if let Some(refused) = &report.refused {
+            let is_refused = |batch: &Carried| {
+                (batch.revision, batch.first_cycle) == (refused.revision, refused.first_cycle)
+            };
+            let place = self.carried.iter().position(is_refused);
+            place.and_then(|place| self.carried.remove(place));
+        }
+        self.carried.retain(|batch| of_it(batch) > held);
     }
 
     fn adopt(&mut self, motion: Motion) {
@@ -177,7 +176,9 @@ impl Record {
     /// A way to rest that did not come with that cycle, or that the judge does not accept.
     pub fn starve(&mut self, from: u64, digest: Digest) -> Result<Digest, Rejected> {
         let revision = self.motion.revision();
-        let tails = self.held_batch(revision, from).map(|batch| batch.tails.clone()).unwrap_or_default();
+        let newest =
+            self.newest.take().filter(|batch| (batch.revision, batch.last_cycle) == (revision, from));
+        let tails = newest.map(|batch| batch.tails).unwrap_or_default();
         let known = self.marks.iter().rev().find(|(cycle, _)| *cycle < from);
         let first = self.motion.under_way.from_cycle();
         let known = known.copied().unwrap_or((first.saturating_sub(1), self.motion.digest_before));
@@ -192,7 +193,6 @@ impl Record {
         self.announced = None;
         self.marks = VecDeque::from([(checkpoint, at_checkpoint), (rests, end)]);
         self.carried.clear();
-        self.last = None;
         Ok(end)
     }
 

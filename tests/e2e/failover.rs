@@ -311,15 +311,24 @@ fn the_end_is_that_of_what_is_held() {
 /// An axis that starves plays the way to rest that it holds, whatever came after that and was not taken.
 #[test]
 fn the_way_to_rest_is_that_of_what_is_held() {
-    let mut stage = Stage::served(2);
-    lies(&mut stage, |batch| Batch { replaces: true, revision: 7, ..batch });
-    stage.dies();
-    stage.play(u64::from(LEAD));
-    assert!(stage.buffer.as_mut().unwrap().starve(), "it moves");
-    stage.report();
-    assert_eq!(stage.over, None);
-    stage.opens("b");
-    assert_eq!(stage.causes.last().map(|cause| cause.0), Some(Cause::Starved));
+    let other = |batch| Batch { replaces: true, revision: 7, ..batch };
+    // It begins as one that is held, and goes on for longer than is granted.
+    let longer = |batch: Batch| {
+        let plan = planned(move_of(0.05, 0.25));
+        let cycles = batch.first_cycle..u64::from(LEAD) + 11;
+        Batch { columns: Columns::of_plan(plan.plan(), cycles), ..batch }
+    };
+    for change in [other, longer] {
+        let mut stage = Stage::served(2);
+        lies(&mut stage, change);
+        stage.dies();
+        stage.play(u64::from(LEAD));
+        assert!(stage.buffer.as_mut().unwrap().starve(), "it moves");
+        stage.report();
+        assert_eq!(stage.over, None);
+        stage.opens("b");
+        assert_eq!(stage.causes.last().map(|cause| cause.0), Some(Cause::Starved));
+    }
 }
 
 #[test]
