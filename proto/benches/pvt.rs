@@ -17,7 +17,7 @@ use std::time::Instant;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use planner::{Alone, JudgedPvt, PvtRequest, PvtRequestSpec, Workers};
 use prost::Message as _;
-use proto::{Threads, pb, pvt_to_wire, pvt_to_wire_by};
+use proto::{Threads, encode_pvt, pb};
 
 const POINTS: usize = 10_000;
 const BEAT: f64 = 0.05;
@@ -48,7 +48,7 @@ fn axis(index: usize) -> pb::PvtAxis {
 fn answer(bytes: &[u8], workers: &impl Workers) -> Vec<u8> {
     let wire = pb::PlanPvtRequest::decode(bytes).unwrap();
     let request = PvtRequest::try_from(PvtRequestSpec::from(wire)).unwrap();
-    pvt_to_wire_by(&JudgedPvt::answer_by(&request, workers).unwrap(), workers).encode_to_vec()
+    encode_pvt(&JudgedPvt::answer_by(&request, workers).unwrap(), workers).encode_to_vec()
 }
 
 /// The shortest of thirty rounds [ms]: other work on the machine slows down some, not all; and their mean processor time.
@@ -86,7 +86,7 @@ fn largest(criterion: &mut Criterion) {
     let request = PvtRequest::try_from(PvtRequestSpec::from(wire)).unwrap();
     let judged = JudgedPvt::answer(&request).unwrap();
     assert!(judged.judged().certificate().passed());
-    let response = pvt_to_wire(&judged);
+    let response = encode_pvt(&judged, &Alone);
     let segments: usize =
         judged.judged().plan().axes().iter().map(|axis| axis.profile.segments().len()).sum();
     let adjusted = judged.points().iter().filter(|report| !report.adjustments.is_empty()).count();
@@ -111,8 +111,7 @@ fn largest(criterion: &mut Criterion) {
     group.bench_function("plan and judge", |bencher| {
         bencher.iter(|| JudgedPvt::answer(black_box(&request)).is_ok());
     });
-    group.bench_function("to wire", |bencher| bencher.iter(|| pvt_to_wire(black_box(&judged))));
-    group.bench_function("encode", |bencher| bencher.iter(|| black_box(&response).encode_to_vec().len()));
+    group.bench_function("to bytes", |bencher| bencher.iter(|| encode_pvt(black_box(&judged), &Alone)));
     group.bench_function("all of it", |bencher| bencher.iter(|| answer(black_box(&bytes), &Alone).len()));
     let threads = Threads::of_machine(4);
     group.bench_function("all of it, threads", |bencher| {
@@ -121,11 +120,10 @@ fn largest(criterion: &mut Criterion) {
     group.finish();
     assert_eq!(answer(&bytes, &Alone), answer(&bytes, &threads));
     print_best("plan and judge", || JudgedPvt::answer(black_box(&request)));
-    print_best("to wire", || pvt_to_wire(black_box(&judged)));
-    print_best("encode", || black_box(&response).encode_to_vec());
+    print_best("to bytes", || encode_pvt(black_box(&judged), &Alone));
     print_best("all of it", || answer(black_box(&bytes), &Alone));
     print_best("plan and judge, threads", || JudgedPvt::answer_by(black_box(&request), &threads));
-    print_best("to wire, threads", || pvt_to_wire_by(black_box(&judged), &threads));
+    print_best("to bytes, threads", || encode_pvt(black_box(&judged), &threads));
     print_best("all of it, threads", || answer(black_box(&bytes), &threads));
 }
 

@@ -29,6 +29,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use planner::motion::Motion;
 use planner::{Judged, Plan};
 use prost::Message as _;
+use prost::bytes::Bytes;
 use proto::stream::{Batch, Columns, Tails, ToAxis};
 use proto::{Digest, pb};
 
@@ -38,8 +39,8 @@ fn six_axes() -> Motion {
     splices::motions().into_iter().find(|(name, _)| *name == "6_axes").unwrap().1
 }
 
-fn plan_bytes(judged: &Judged) -> Vec<u8> {
-    proto::plan_to_wire(judged).encode_to_vec()
+fn plan_bytes(judged: &Judged) -> Bytes {
+    proto::encode_plan(judged)
 }
 
 fn plan_of(bytes: &[u8]) -> Plan {

@@ -1,10 +1,9 @@
 //! The identity of a plan.
 
-use planner::{Alone, Workers};
 use prost::encoding::{double, int32, message, string, uint32, uint64};
 use xxhash_rust::xxh3::Xxh3;
 
-use crate::pb::{AxisPlan, Plan};
+use crate::pb::Plan;
 
 /// Identity of `plan`, not protection: XXH3-128, seed 0, of its encoding without the field `fingerprint`, in
 /// the algorithm's canonical byte order (big-endian).
@@ -15,11 +14,6 @@ use crate::pb::{AxisPlan, Plan};
 /// know are not counted.
 #[must_use]
 pub fn fingerprint(plan: &Plan) -> [u8; 16] {
-    fingerprint_by(plan, &Alone)
-}
-
-/// As [`fingerprint`], with `workers` who each encode a part of the pieces.
-pub(crate) fn fingerprint_by(plan: &Plan, workers: &impl Workers) -> [u8; 16] {
     let Plan {
         // Its own.
         fingerprint: _,
@@ -48,9 +42,12 @@ pub(crate) fn fingerprint_by(plan: &Plan, workers: &impl Workers) -> [u8; 16] {
     if *duration != 0.0 {
         double::encode(5, duration, &mut bytes);
     }
-    hasher.update(&bytes);
-    bytes.clear();
-    let mut hasher = hash_axes(&hasher, axes, workers);
+    // One axis at a time into the same place, since all of them may be many megabytes.
+    for axis in axes {
+        message::encode(6, axis, &mut bytes);
+        hasher.update(&bytes);
+        bytes.clear();
+    }
     if let Some(certificate) = certificate {
         message::encode(7, certificate, &mut bytes);
     }
@@ -66,31 +63,6 @@ pub(crate) fn fingerprint_by(plan: &Plan, workers: &impl Workers) -> [u8; 16] {
     int32::encode_packed(11, guaranteed, &mut bytes);
     hasher.update(&bytes);
     hasher.digest128().to_be_bytes()
-}
-
-/// Hashes the encoding of all axes.
-///
-/// Whoever begins hashes what he encodes, one axis at a time into the same place, since all of them may be many megabytes; what
-/// the others have encoded meanwhile is hashed after that.
-fn hash_axes(hasher: &Xxh3, axes: &[AxisPlan], workers: &impl Workers) -> Xxh3 {
-    let parts = workers.each_range(axes.len(), |range| {
-        let mut begun = (range.start == 0).then(|| hasher.clone());
-        let mut bytes = Vec::new();
-        for axis in &axes[range] {
-            message::encode(6, axis, &mut bytes);
-            if let Some(hasher) = &mut begun {
-                hasher.update(&bytes);
-                bytes.clear();
-            }
-        }
-        (begun, bytes)
-    });
-    let mut hasher = hasher.clone();
-    for (begun, bytes) in parts {
-        hasher = begun.unwrap_or(hasher);
-        hasher.update(&bytes);
-    }
-    hasher
 }
 
 #[cfg(test)]

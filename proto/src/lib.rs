@@ -1,6 +1,7 @@
 //! The wire of Portamento: what its messages are, and what is said about them in every language.
 //!
 //! - [`pb`]: the types generated from `motion/v1/*.proto`; [`FILE_DESCRIPTOR_SET`] describes them
+//! - [`outgoing`]: those of them that a server says with plans in bytes
 //! - [`to_json`], [`from_json`]: their proto3 JSON mapping, which is the input and output of programs
 //! - [`Digest`], [`fingerprint`]: what proves that two parties hold the same setpoints, or the same plan
 //! - [`Sampling`]: the setpoints of a plan, chunk by chunk, with their digest
@@ -17,6 +18,7 @@ mod detail;
 mod digest;
 mod fingerprint;
 mod json;
+pub mod outgoing;
 mod piece;
 mod reason;
 mod sampling;
@@ -25,12 +27,13 @@ pub mod stream;
 mod threads;
 mod trace_context;
 mod transcript;
+mod write;
 
 pub use convert::{
-    Against, MoveColumns, Moves, PlannedMove, PlannedMoves, accepted, accepted_in, against,
-    malformed_duration, misclassified, motion_from_wire, motion_to_wire, outcome_from_wire, outcome_to_wire,
-    plan_as_it_is, plan_as_it_is_in, plan_from_wire, plan_in, plan_request_from_wire, plan_to_wire,
-    point_to_wire, pvt_from_wire, pvt_request_from_wire, pvt_to_wire, pvt_to_wire_by, request_from_wire,
+    Against, MoveColumns, Moves, Outcomes, PlannedMove, PlannedMoves, accepted, accepted_in, against,
+    encode_plan, encode_pvt, malformed_duration, misclassified, motion_from_wire, motion_to_wire,
+    outcome_from_wire, plan_as_it_is, plan_as_it_is_in, plan_from_wire, plan_in, plan_request_from_wire,
+    plan_to_wire, point_to_wire, pvt_from_wire, pvt_request_from_wire, pvt_to_wire, request_from_wire,
     request_to_wire, response_from_wire, response_to_wire, within,
 };
 pub use detail::Detail;
@@ -61,6 +64,8 @@ pub mod pb {
     pub use crate::piece::{AxisSegment, axis_segment};
 
     include!("gen/motion.v1.rs");
+    // With plans in bytes in its answers.
+    include!("gen/services.rs");
 }
 
 /// The schema as an encoded `google.protobuf.FileDescriptorSet`, imports included and comments left out: for

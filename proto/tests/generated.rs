@@ -24,6 +24,9 @@ const LARGE: [&str; 3] = [
     ".motion.v1.StreamSetpointsResponse.message.revised",
 ];
 
+/// What a server says with plans in bytes.
+const OUTGOING: [&str; 3] = ["PlanResponse", "PlanManyResponse", "PlanPvtResponse"];
+
 #[test]
 fn checked_in_code_follows_from_the_schema() {
     check(&generated());
@@ -38,7 +41,7 @@ fn descriptor_set_is_complete() {
 }
 
 /// File name and contents of everything in `src/gen/`.
-type Generated = [(&'static str, Vec<u8>); 2];
+type Generated = [(&'static str, Vec<u8>); 3];
 
 fn check(generated: &Generated) {
     let folder = root().join("src/gen");
@@ -69,19 +72,29 @@ fn generated() -> Generated {
     for large in LARGE {
         config.boxed(large);
     }
-    tonic_prost_build::configure()
-        .out_dir(out.path())
-        .emit_rerun_if_changed(false)
+    let builder = || tonic_prost_build::configure().out_dir(out.path()).emit_rerun_if_changed(false);
+    builder()
+        .build_server(false)
         // Written by hand, since there are so many of them.
         .extern_path(".motion.v1.AxisSegment", "crate::piece::AxisSegment")
         .compile_fds_with_config(set.clone(), config)
         .unwrap();
-    let code = fs::read(out.path().join("motion.v1.rs")).unwrap();
+    let file = out.path().join("motion.v1.rs");
+    let code = fs::read(&file).unwrap();
+    OUTGOING
+        .iter()
+        .fold(builder().build_client(false), |builder, message| {
+            builder.extern_path(format!(".motion.v1.{message}"), format!("crate::outgoing::{message}"))
+        })
+        .extern_path(".motion.v1", "crate::pb")
+        .compile_fds(set.clone())
+        .unwrap();
+    let services = fs::read(&file).unwrap();
 
     for file in &mut set.file {
         file.source_code_info = None;
     }
-    [("motion.v1.rs", code), ("descriptor.bin", set.encode_to_vec())]
+    [("motion.v1.rs", code), ("services.rs", services), ("descriptor.bin", set.encode_to_vec())]
 }
 
 fn root() -> &'static Path {

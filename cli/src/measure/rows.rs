@@ -337,8 +337,8 @@ fn decode_plan() -> Result<Row, Unequal> {
     Ok(alone(bytes, |bytes| plan_of(bytes).is_ok()))
 }
 
-fn plan_bytes(judged: &planner::Judged) -> Vec<u8> {
-    proto::plan_to_wire(judged).encode_to_vec()
+fn plan_bytes(judged: &planner::Judged) -> prost::bytes::Bytes {
+    proto::encode_plan(judged)
 }
 
 fn plan_of(bytes: &[u8]) -> Result<planner::Plan, Unequal> {

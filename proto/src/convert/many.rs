@@ -3,7 +3,7 @@
 use planner::{InvalidFields, Judged, Why};
 
 use super::choice::{detail_from_wire, detail_to_wire};
-use super::plan::{plan_from_wire, plan_to_wire, plan_unexplained};
+use super::plan::plan_from_wire;
 use crate::{Detail, Reason, Rejected, pb};
 
 impl Detail {
@@ -22,20 +22,8 @@ impl Detail {
     }
 }
 
-/// What became of one request of many, with as much of the plan as is wanted.
-#[must_use]
-pub fn outcome_to_wire(answer: &Result<Judged, Rejected>, detail: Detail) -> pb::PlanOutcome {
-    let outcome = match answer {
-        Ok(judged) => pb::plan_outcome::Outcome::Plan(match detail {
-            Detail::Full => plan_to_wire(judged),
-            Detail::Motion => plan_unexplained(judged),
-        }),
-        Err(rejected) => pb::plan_outcome::Outcome::Refusal(rejected.to_bytes()),
-    };
-    pb::PlanOutcome { outcome: Some(outcome) }
-}
-
-/// The same at the other end. The certificate is computed here again, from the segments that came.
+/// What became of one request of many, as [`Outcomes`](super::Outcomes) tells it. The certificate is computed here again, from the
+/// segments that came.
 ///
 /// # Errors
 /// What is no outcome: a plan that is none, a refusal with a reason that this version does not know, nothing at all.

@@ -4,8 +4,9 @@ use planner::motion::{InvalidMotion, MotionParts, Override};
 use planner::{Accepted, Family, Field, InvalidFields, Judged, Plan, Quantity, TimeLaw, Why};
 
 use super::choice::{phase_from_wire, phase_to_wire};
+use super::encode::plan_unexplained;
 use super::field::missing;
-use super::plan::{plan_unexplained, segment_from_wire, segment_to_wire};
+use super::plan::{segment_from_wire, segment_to_wire};
 use super::{accepted, plan_as_it_is_in, plan_to_wire, within};
 use crate::stream::{Motion, OperationResult, RECENT_RESULTS};
 use crate::{Digest, Reason, Rejected, pb};

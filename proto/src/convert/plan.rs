@@ -1,17 +1,15 @@
 use planner::{
-    Adjustment, AdjustmentReason, Alone, AsymmetricType, AxisPlan, Classification, CycleTime, Derivatives,
-    EightType, Field, InvalidField, InvalidFields, Judged, Law, Limits, LimitsSpec, Maker, Method, Plan,
-    Profile, PvtMethod, PvtRegion, Quantity, Segment, SixCase, State, Why, Workers,
+    Adjustment, AdjustmentReason, AsymmetricType, AxisPlan, Classification, CycleTime, Derivatives,
+    EightType, Field, InvalidField, InvalidFields, Law, Limits, LimitsSpec, Maker, Method, Plan, Profile,
+    PvtMethod, PvtRegion, Quantity, Segment, SixCase, State, Why,
 };
 
 use super::choice::{
-    family_from_wire, family_to_wire, interpolation_from_wire, interpolation_to_wire, kind_from_wire,
-    kind_to_wire, policy_from_wire, policy_to_wire, quantity_from_wire, quantity_to_wire,
-    short_path_from_wire, short_path_to_wire, synchronization_from_wire, synchronization_to_wire,
+    family_from_wire, interpolation_from_wire, kind_from_wire, policy_from_wire, quantity_from_wire,
+    short_path_from_wire, synchronization_from_wire,
 };
 use super::claims::Claims;
-use super::duration::{cycle_time_to_wire, duration_to_ns, note_malformed};
-use crate::fingerprint::fingerprint_by;
+use super::duration::{duration_to_ns, note_malformed};
 use crate::pb;
 
 /// The most segments of one axis: more than those of 10 000 points for each of six axes would be of one.
@@ -19,56 +17,6 @@ const MAX_SEGMENTS: usize = 500_000;
 
 /// What a region may be called.
 pub(super) const REGIONS: &str = "R1, R2, R3, R4";
-
-/// The plan on the wire, with certificate, explanation and fingerprint.
-#[must_use]
-pub fn plan_to_wire(judged: &Judged) -> pb::Plan {
-    plan_to_wire_by(judged, &Alone)
-}
-
-/// The same without what follows from the rest: no fingerprint, no explanation, and of the certificate whether it passed.
-pub(super) fn plan_unexplained(judged: &Judged) -> pb::Plan {
-    let passed = judged.certificate().passed();
-    let certificate = Some(pb::PlanCertificate { passed, ..pb::PlanCertificate::default() });
-    pb::Plan { certificate, ..to_wire(judged.plan(), &Alone) }
-}
-
-pub(super) fn plan_to_wire_by(judged: &Judged, workers: &impl Workers) -> pb::Plan {
-    let mut wire = to_wire(judged.plan(), workers);
-    wire.certificate = Some(judged.certificate().into());
-    wire.explanation = Some((&judged.explanation()).into());
-    wire.fingerprint = fingerprint_by(&wire, workers).to_vec();
-    wire
-}
-
-fn to_wire(plan: &Plan, workers: &impl Workers) -> pb::Plan {
-    let axes = plan.axes();
-    let parts =
-        workers.each_range(axes.len(), |range| axes[range].iter().map(axis_to_wire).collect::<Vec<_>>());
-    let Maker { planner_version, evaluation_version } = plan.maker().clone();
-    let Method { family, order, short_path, synchronization, end_on_cycle, pvt } = plan.method();
-    pb::Plan {
-        fingerprint: Vec::new(),
-        planner_version,
-        evaluation_version,
-        method: Some(pb::PlanMethod {
-            family: family_to_wire(family),
-            order,
-            short_path_policy: short_path_to_wire(short_path),
-            synchronization: synchronization_to_wire(synchronization),
-            end_on_cycle,
-            interpolation: pvt.map_or(0, |pvt| interpolation_to_wire(pvt.interpolation)),
-            policy: pvt.map_or(0, |pvt| policy_to_wire(pvt.policy)),
-        }),
-        guaranteed: plan.guaranteed().iter().copied().map(quantity_to_wire).collect(),
-        cycle_time: Some(cycle_time_to_wire(plan.cycle_time())),
-        cycle_count: plan.cycle_count(),
-        duration: plan.duration(),
-        axes: parts.into_iter().flatten().collect(),
-        certificate: None,
-        explanation: None,
-    }
-}
 
 /// The motion that a plan on the wire describes. Certificate and explanation are computed again where they are needed,
 /// and not believed; what else it says of itself has to be so.
@@ -176,20 +124,6 @@ fn method_from_wire(wire: pb::PlanMethod) -> Result<Method, InvalidFields> {
         invalid.note("interpolation", Some(Why::Unspecified { choices: "S_SHAPED, CUBIC, QUINTIC" }));
     }
     invalid.into_result(method)
-}
-
-fn axis_to_wire(axis: &AxisPlan) -> pb::AxisPlan {
-    let AxisPlan { axis, kind, limits, profile, goal, adjustments, classification, pvt_regions } = axis;
-    pb::AxisPlan {
-        axis: axis.clone(),
-        kind: kind_to_wire(*kind),
-        limits: Some(limits.into()),
-        segments: profile.segments().iter().map(|segment| segment_to_wire(&segment)).collect(),
-        goal: Some((*goal).into()),
-        reached: Some(profile.end().into()),
-        adjustments: adjustments.iter().map(adjustment_to_wire).collect(),
-        classification: Some(classification_to_wire(classification, pvt_regions)),
-    }
 }
 
 fn axis_from_wire(wire: pb::AxisPlan) -> Result<AxisPlan, InvalidFields> {
@@ -312,11 +246,6 @@ fn law_from_wire(wire: pb::axis_segment::Law) -> Result<Law, InvalidFields> {
     }
 }
 
-pub(super) fn adjustment_to_wire(adjustment: &Adjustment) -> pb::Adjustment {
-    let Adjustment { quantity, asked, planned, reason } = *adjustment;
-    pb::Adjustment { quantity: quantity_to_wire(quantity), asked, planned, reason: reason.name().into() }
-}
-
 pub(super) fn adjustment_from_wire(wire: pb::Adjustment) -> Result<Adjustment, InvalidFields> {
     let pb::Adjustment { quantity, asked, planned, reason: given } = wire;
     let mut invalid = InvalidFields::default();
@@ -359,17 +288,6 @@ fn quantities(reason: AdjustmentReason) -> &'static [Quantity] {
         AdjustmentReason::ClosingStop => &[Position, Velocity, Acceleration],
         AdjustmentReason::PvtTimeExtended | AdjustmentReason::PvtTimeShifted => &[Time],
         AdjustmentReason::PvtFinishedLate => &[Position, Velocity, Time],
-    }
-}
-
-fn classification_to_wire(classification: &Classification, regions: &[PvtRegion]) -> pb::Classification {
-    let Classification { eight_type, asymmetric_type, six_case, feed_rate } = *classification;
-    pb::Classification {
-        eight_type: eight_type.map(|kind| kind.name().into()),
-        asymmetric_type: asymmetric_type.map(|kind| kind.name().into()),
-        six_case: six_case.map(|case| case.name().into()),
-        pvt_regions: regions.iter().map(|region| region.name().into()).collect(),
-        feed_rate,
     }
 }
 

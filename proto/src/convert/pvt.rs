@@ -1,8 +1,7 @@
 //! Points of position, velocity and time: what is asked, and what became of each.
 
 use planner::{
-    Alone, Field, InvalidFields, JudgedPvt, PvtAxisSpec, PvtPointReport, PvtRegion, PvtRequest,
-    PvtRequestSpec, Why, Workers,
+    Field, InvalidFields, JudgedPvt, PvtAxisSpec, PvtPointReport, PvtRegion, PvtRequest, PvtRequestSpec, Why,
 };
 
 use super::choice::{
@@ -10,7 +9,8 @@ use super::choice::{
     policy_from_wire, policy_to_wire,
 };
 use super::duration::{after, duration_to_ns, note_malformed, ns_to_duration};
-use super::plan::{REGIONS, adjustment_from_wire, adjustment_to_wire, plan_from_wire, plan_to_wire_by};
+use super::encode::{plan_to_wire, point_to_wire};
+use super::plan::{REGIONS, adjustment_from_wire, plan_from_wire};
 use crate::pb;
 
 impl From<pb::PvtAxis> for PvtAxisSpec {
@@ -83,26 +83,10 @@ impl From<PvtRequestSpec> for pb::PlanPvtRequest {
 /// The plan on the wire, as [`plan_to_wire`](super::plan_to_wire), with a report on each of its points.
 #[must_use]
 pub fn pvt_to_wire(judged: &JudgedPvt) -> pb::PlanPvtResponse {
-    pvt_to_wire_by(judged, &Alone)
-}
-
-/// As [`pvt_to_wire`], to the last bit, by `workers` who each translate a part of the pieces and of the reports.
-#[must_use]
-pub fn pvt_to_wire_by(judged: &JudgedPvt, workers: &impl Workers) -> pb::PlanPvtResponse {
-    let (axes, reports) = (judged.judged().plan().axes(), judged.points());
+    let axes = judged.judged().plan().axes();
     let name = |report: &PvtPointReport| axes.get(report.axis).map_or("", |axis| &axis.axis);
-    let mut parts = workers
-        .each_range(reports.len(), |range| {
-            // Whoever begins gets the rest, too.
-            let room = if range.start == 0 { reports.len() } else { range.len() };
-            let mut points = Vec::with_capacity(room);
-            points.extend(reports[range].iter().map(|report| point_to_wire(report, name(report))));
-            points
-        })
-        .into_iter();
-    let mut points = parts.next().unwrap_or_default();
-    parts.for_each(|more| points.extend(more));
-    pb::PlanPvtResponse { plan: Some(plan_to_wire_by(judged.judged(), workers)), points }
+    let points = judged.points().iter().map(|report| point_to_wire(report, name(report))).collect();
+    pb::PlanPvtResponse { plan: Some(plan_to_wire(judged.judged())), points }
 }
 
 /// The plan and the reports of an answer; the certificate is computed again.
@@ -136,24 +120,6 @@ fn within(name: &str, inner: InvalidFields) -> InvalidFields {
     let mut invalid = InvalidFields::default();
     invalid.extend_within(&Field::named(name), inner);
     invalid
-}
-
-/// The report on a point of the axis called `name`.
-#[must_use]
-pub fn point_to_wire(report: &PvtPointReport, name: &str) -> pb::PvtPointReport {
-    let PvtPointReport { axis: _, point, region, position, velocity, time, reachable, adjustments } = report;
-    pb::PvtPointReport {
-        axis: name.into(),
-        // A message of more points than that cannot be.
-        point: *point as u32,
-        region: region.map_or("", PvtRegion::name).into(),
-        position: *position,
-        velocity: *velocity,
-        time: *time,
-        least_displacement: reachable.map(|(least, _)| least),
-        greatest_displacement: reachable.map(|(_, greatest)| greatest),
-        adjustments: adjustments.iter().map(adjustment_to_wire).collect(),
-    }
 }
 
 fn point_from_wire(wire: pb::PvtPointReport, axis: usize) -> Result<PvtPointReport, InvalidFields> {

@@ -2,8 +2,7 @@
 
 use std::time::Instant;
 
-use prost::Message as _;
-use proto::{Detail, Moves, Reason, Rejected, outcome_to_wire, pb};
+use proto::{Detail, Moves, Outcomes, Reason, Rejected, outgoing, pb};
 use serving::{Leaving, Refusals};
 use tokio::sync::mpsc;
 use tonic::{Status, Streaming};
@@ -27,8 +26,8 @@ const LONG_COLUMNS: usize = 1024;
 const ASKS_AFTER: usize = 256;
 
 type Incoming = Streaming<pb::PlanManyRequest>;
-type Outgoing = mpsc::Sender<Result<pb::PlanManyResponse, Status>>;
-pub(super) type Outcomes = mpsc::Receiver<Result<pb::PlanManyResponse, Status>>;
+type Outgoing = mpsc::Sender<Result<outgoing::PlanManyResponse, Status>>;
+pub(super) type Answers = mpsc::Receiver<Result<outgoing::PlanManyResponse, Status>>;
 
 /// What planning many needs.
 #[derive(Clone, Debug)]
@@ -44,7 +43,7 @@ pub(super) struct Many {
 
 impl Many {
     /// Answers what comes in until it ends, in a task that the process waits for.
-    pub(super) fn begin(self, incoming: Incoming) -> Outcomes {
+    pub(super) fn begin(self, incoming: Incoming) -> Answers {
         let (outgoing, outcomes) = mpsc::channel(AHEAD);
         let leaving = self.leaving.clone();
         leaving.spawn(self.serve(incoming, outgoing));
@@ -75,7 +74,7 @@ impl Many {
         &self,
         message: pb::PlanManyRequest,
         outgoing: &Outgoing,
-    ) -> Result<pb::PlanManyResponse, Status> {
+    ) -> Result<outgoing::PlanManyResponse, Status> {
         let pb::PlanManyRequest { requests, detail, columns } = message;
         self.limits.admit_plans("requests", requests.len())?;
         let detail = Detail::from_wire(detail).map_err(Rejected::from)?;
@@ -95,9 +94,8 @@ impl Many {
         requests: Vec<pb::PlanRequest>,
         detail: Detail,
         outgoing: &Outgoing,
-    ) -> Result<pb::PlanManyResponse, Rejected> {
-        let mut outcomes = Vec::with_capacity(requests.len());
-        let mut bytes = 0;
+    ) -> Result<outgoing::PlanManyResponse, Rejected> {
+        let mut outcomes = Outcomes::with_room(requests.len(), detail);
         for wire in requests {
             if outgoing.is_closed() {
                 break;
@@ -107,14 +105,12 @@ impl Many {
             if let Err(rejected) = &answer {
                 self.refusals.count(rejected.reason);
             }
-            let outcome = outcome_to_wire(&answer, detail);
-            bytes += outcome.encoded_len();
-            if bytes > self.most_bytes {
-                return Err(too_large(outcomes.len(), self.most_bytes));
+            outcomes.push(&answer);
+            if outcomes.bytes() > self.most_bytes {
+                return Err(too_large(outcomes.len() - 1, self.most_bytes));
             }
-            outcomes.push(outcome);
         }
-        Ok(pb::PlanManyResponse { outcomes, columns: None })
+        Ok(outcomes.into_wire())
     }
 
     async fn columns(
@@ -123,7 +119,7 @@ impl Many {
         columns: pb::MoveColumns,
         detail: Detail,
         outgoing: &Outgoing,
-    ) -> Result<pb::PlanManyResponse, Status> {
+    ) -> Result<outgoing::PlanManyResponse, Status> {
         if !requests.is_empty() {
             return Err(both(requests.len()).into());
         }
@@ -137,7 +133,7 @@ impl Many {
     }
 
     /// Plans the moves of columns, for as long as there is somebody who waits for them and the answer may still be sent.
-    fn moved(&self, mut moves: Moves, outgoing: &Outgoing) -> Result<pb::PlanManyResponse, Rejected> {
+    fn moved(&self, mut moves: Moves, outgoing: &Outgoing) -> Result<outgoing::PlanManyResponse, Rejected> {
         let (begun, family) = (Instant::now(), moves.family());
         let (mut done, mut planned) = (0, 0);
         while let Some(outcome) = moves.plan_next() {
@@ -154,7 +150,7 @@ impl Many {
             }
         }
         self.figures.planned_many(family, planned, begun.elapsed());
-        Ok(pb::PlanManyResponse { outcomes: Vec::new(), columns: Some(moves.into_wire()) })
+        Ok(outgoing::PlanManyResponse { outcomes: Vec::new(), columns: Some(moves.into_wire()) })
     }
 }
 

@@ -1,5 +1,5 @@
 use planner::JudgedPvt;
-use proto::{Reason, Rejected, Threads, pb, pvt_request_from_wire, pvt_to_wire_by};
+use proto::{Reason, Rejected, Threads, encode_pvt, outgoing, pb, pvt_request_from_wire};
 
 /// From this many points on, an answer takes longer than the streams of this process may wait: about a millisecond.
 const LONG: usize = 500;
@@ -22,7 +22,7 @@ pub(super) fn is_long(wire: &pb::PlanPvtRequest) -> bool {
 }
 
 /// The plan through at most `most` points.
-pub(super) fn plan(wire: pb::PlanPvtRequest, most: usize) -> Result<pb::PlanPvtResponse, Rejected> {
+pub(super) fn plan(wire: pb::PlanPvtRequest, most: usize) -> Result<outgoing::PlanPvtResponse, Rejected> {
     let given = count(&wire);
     if given > most {
         let text = format!(
@@ -34,7 +34,7 @@ pub(super) fn plan(wire: pb::PlanPvtRequest, most: usize) -> Result<pb::PlanPvtR
     }
     let request = pvt_request_from_wire(wire)?;
     let threads = if given < LARGE { Threads::new(1) } else { Threads::of_machine(MOST_THREADS) };
-    Ok(pvt_to_wire_by(&JudgedPvt::answer_by(&request, &threads)?, &threads))
+    Ok(encode_pvt(&JudgedPvt::answer_by(&request, &threads)?, &threads))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@ use std::time::Instant;
 
 use ::planner::{Judged, certify, certify_against};
 use proto::pb::planner_service_server::PlannerService;
-use proto::{Rejected, pb, plan_as_it_is_in, plan_request_from_wire, plan_to_wire, within};
+use proto::{Rejected, encode_plan, outgoing, pb, plan_as_it_is_in, plan_request_from_wire, within};
 use serving::{Leaving, Refusals};
 use tokio_stream::wrappers::ReceiverStream;
 use tonic::{Request, Response, Status, Streaming};
@@ -74,14 +74,17 @@ fn is_long(plan: Option<&pb::Plan>) -> bool {
 
 #[tonic::async_trait]
 impl PlannerService for Planner {
-    async fn plan(&self, request: Request<pb::PlanRequest>) -> Result<Response<pb::PlanResponse>, Status> {
+    async fn plan(
+        &self,
+        request: Request<pb::PlanRequest>,
+    ) -> Result<Response<outgoing::PlanResponse>, Status> {
         let wire = request.into_inner();
         self.limits.admit_axes("axes", wire.axes.len())?;
         let judged = judged(wire, &self.figures)?;
-        Ok(Response::new(pb::PlanResponse { plan: Some(plan_to_wire(&judged)) }))
+        Ok(Response::new(outgoing::PlanResponse { plan: encode_plan(&judged) }))
     }
 
-    type PlanManyStream = ReceiverStream<Result<pb::PlanManyResponse, Status>>;
+    type PlanManyStream = ReceiverStream<Result<outgoing::PlanManyResponse, Status>>;
 
     async fn plan_many(
         &self,
@@ -94,7 +97,7 @@ impl PlannerService for Planner {
     async fn plan_pvt(
         &self,
         request: Request<pb::PlanPvtRequest>,
-    ) -> Result<Response<pb::PlanPvtResponse>, Status> {
+    ) -> Result<Response<outgoing::PlanPvtResponse>, Status> {
         let (wire, most) = (request.into_inner(), self.limits.pvt_points);
         self.limits.admit_axes("axes", wire.axes.len())?;
         let begun = Instant::now();

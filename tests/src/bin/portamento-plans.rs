@@ -1,6 +1,9 @@
 //! How many plans a second one server process gives on this machine, the asking side included: empty calls of the sizes of `Plan`
 //! through the same layers, `Plan` itself, `PlanMany`, and `PlanMany` in columns.
 //!
+//! `Plan` is asked twice: by somebody who takes the plan as bytes, as those take them who make the empty calls, which shows what the
+//! planner costs its server; and by somebody who reads it.
+//!
 //! `cargo build --release --workspace --bins && target/release/portamento-plans`
 
 #![allow(clippy::print_stdout, reason = "the table is what it is for")]
@@ -18,7 +21,7 @@ use client::Client;
 use e2e::{Process, cpu, fifty_millimetres};
 use prost::Message;
 use proto::pb::planner_service_client::PlannerServiceClient;
-use proto::{Detail, MoveColumns, pb, plan_to_wire};
+use proto::{Detail, MoveColumns, outgoing, pb, plan_to_wire};
 use serde_json::{Value, json};
 use tonic::body::Body;
 use tonic::codegen::{Service, http};
@@ -170,7 +173,7 @@ fn run(args: &Args) -> Result<Vec<Value>, Failed> {
     command.args(["--serve-empty", &answer.encoded_len().to_string()]);
     let empty = Process::start(command)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
-    let mut all: [Measured; 6] = Default::default();
+    let mut all: [Measured; 7] = Default::default();
     runtime.block_on(async {
         let client = Client::connect(&planner.endpoint).await?;
         let calls = client::Connect::new().channel(&planner.endpoint).await?;
@@ -179,21 +182,24 @@ fn run(args: &Args) -> Result<Vec<Value>, Failed> {
         let moves = moves(args.per_columns);
         for _ in 0..args.rounds {
             let server = planner.child.id();
-            in_columns(args, server, &mut all[4], &client, &moves, Detail::Full).await?;
-            in_columns(args, server, &mut all[5], &client, &moves, Detail::Motion).await?;
+            in_columns(args, server, &mut all[5], &client, &moves, Detail::Full).await?;
+            in_columns(args, server, &mut all[6], &client, &moves, Detail::Motion).await?;
             if args.columns {
                 continue;
             }
             let ask = || ask_empty(empties.clone(), filling.clone());
             calling(args, empty.child.id(), &mut all[0], ask).await?;
             let ask = || ask_plan(calls.clone(), request.clone());
+            calling(args, server, &mut all[2], ask).await?;
+            let ask = || ask_bytes(calls.clone(), request.clone());
             calling(args, server, &mut all[1], ask).await?;
-            streaming(args, server, &mut all[2], &client, Detail::Full).await?;
-            streaming(args, server, &mut all[3], &client, Detail::Motion).await?;
+            streaming(args, server, &mut all[3], &client, Detail::Full).await?;
+            streaming(args, server, &mut all[4], &client, Detail::Motion).await?;
         }
         Ok::<_, Failed>(())
     })?;
-    let names = ["empty", "Plan", "PlanMany", "PlanMany, MOTION", "columns", "columns, MOTION"];
+    let names =
+        ["empty", "Plan, as bytes", "Plan", "PlanMany", "PlanMany, MOTION", "columns", "columns, MOTION"];
     let rate = |measured: &Measured| measured.plans as f64 / measured.seconds;
     let of_empty = rate(&all[0]);
     let measured = all.iter_mut().zip(names).filter(|(measured, _)| measured.plans > 0);
@@ -221,6 +227,14 @@ async fn ask_empty(channel: Channel, filling: Filling) -> Result<(), tonic::Stat
     grpc.ready().await.map_err(|error| tonic::Status::unavailable(error.to_string()))?;
     let path = http::uri::PathAndQuery::from_static("/load.Empty/Call");
     grpc.unary(tonic::Request::new(filling), path, ProstCodec::<Filling, Filling>::default()).await.map(drop)
+}
+
+async fn ask_bytes(channel: Channel, request: pb::PlanRequest) -> Result<(), tonic::Status> {
+    let mut grpc = tonic::client::Grpc::new(channel);
+    grpc.ready().await.map_err(|error| tonic::Status::unavailable(error.to_string()))?;
+    let path = http::uri::PathAndQuery::from_static("/motion.v1.PlannerService/Plan");
+    let codec = ProstCodec::<pb::PlanRequest, outgoing::PlanResponse>::default();
+    grpc.unary(tonic::Request::new(request), path, codec).await.map(drop)
 }
 
 async fn ask_plan(channel: Channel, request: pb::PlanRequest) -> Result<(), tonic::Status> {

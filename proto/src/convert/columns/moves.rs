@@ -4,8 +4,8 @@ use planner::{Adjustment, Family, Law, Maker, MoveSeries, RequestSpec, SeriesErr
 
 use super::{MoveColumns, columns_from_wire};
 use crate::convert::duration::after;
+use crate::convert::encode::adjustment_to_wire;
 use crate::convert::field::within;
-use crate::convert::plan::adjustment_to_wire;
 use crate::{Detail, Reason, Rejected, pb};
 
 /// The moves of one message as they are planned: each goes from its place in the columns of the request to that in the columns of the
