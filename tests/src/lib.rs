@@ -10,6 +10,7 @@
 mod certificates;
 mod line;
 mod network;
+mod plant;
 mod process;
 mod readings;
 mod reflected;
@@ -25,11 +26,12 @@ use planner::{
     Accepted, AxisKind, AxisMoveSpec, Judged, JudgedPvt, LimitsSpec, PvtAxisSpec, PvtInterpolation,
     PvtPolicy, PvtRequest, PvtRequestSpec, Request, RequestSpec, ShortPathPolicy, State, Synchronization,
 };
+pub use plant::{Costs, Fleet, Heirs, Life, Mortality, Outcome, Plant, live};
 pub use process::Process;
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::{Open, Source};
-pub use readings::{Traffic, cpu, loopback, resident_kib};
+pub use readings::{Traffic, cpu, cpu_with_ended, loopback, resident_kib};
 pub use reflected::{Reflected, VERSIONS};
 pub use rig::{Answer, Delays, Rig, difference, replay};
 use server::{Address, Config, Server};
