@@ -35,7 +35,8 @@ impl Fit {
             .filter(|hundredths| *hundredths != 0)
             .map(|hundredths| f64::from(hundredths) / 100.0);
         let bent = powers.filter_map(|power| Self::with_power(points, power));
-        let best = bent.min_by(|a, b| a.worst.total_cmp(&b.worst))?;
+        // More costs more, or by a negative power less: a difference of two large numbers is no law.
+        let best = bent.filter(|fit| fit.each > 0.0).min_by(|a, b| a.worst.total_cmp(&b.worst))?;
         Some(if best.worst < GAIN * straight.worst { best } else { straight })
     }
 
