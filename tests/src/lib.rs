@@ -10,7 +10,9 @@
 mod certificates;
 mod line;
 mod network;
+mod plant;
 mod process;
+mod readings;
 mod reflected;
 mod rig;
 
@@ -21,13 +23,15 @@ use client::Client;
 pub use line::{Line, Proxy, carry_all};
 pub use network::{Axis, Faults, Network};
 use planner::{
-    Accepted, AxisKind, AxisMoveSpec, Judged, LimitsSpec, Request, RequestSpec, ShortPathPolicy, State,
-    Synchronization,
+    Accepted, AxisKind, AxisMoveSpec, Judged, JudgedPvt, LimitsSpec, PvtAxisSpec, PvtInterpolation,
+    PvtPolicy, PvtRequest, PvtRequestSpec, Request, RequestSpec, ShortPathPolicy, State, Synchronization,
 };
-pub use process::{Process, cpu};
+pub use plant::{Costs, Fleet, Heirs, Life, Mortality, Outcome, Plant, live};
+pub use process::Process;
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::pb::setpoint_service_client::SetpointServiceClient;
 use proto::stream::{Open, Source};
+pub use readings::{Traffic, cpu, cpu_with_ended, loopback, resident_kib};
 pub use reflected::{Reflected, VERSIONS};
 pub use rig::{Answer, Delays, Rig, difference, replay};
 use server::{Address, Config, Server};
@@ -224,6 +228,60 @@ pub fn planned(spec: RequestSpec) -> Accepted {
         .expect("a plan")
         .accepted()
         .expect("a good plan")
+}
+
+/// The same move of so many axes, `x0` and on, each a little farther than the one before it, all arriving together.
+#[must_use]
+pub fn together(axes: usize, spec: &RequestSpec) -> RequestSpec {
+    let of = |number: usize| {
+        spec.axes.iter().cloned().map(move |mut axis| {
+            axis.axis = format!("{}{number}", axis.axis);
+            axis.goal.position *= 1.0 - 0.5 * number as f64 / axes as f64;
+            axis
+        })
+    };
+    RequestSpec {
+        axes: (0..axes).flat_map(of).collect(),
+        synchronization: Ok(Synchronization::Time),
+        ..spec.clone()
+    }
+}
+
+/// A swing of 0.1 m in 2π s through so many points of so many axes, evenly spread over `seconds`.
+#[must_use]
+pub fn swing(axes: usize, points: usize, seconds: f64) -> PvtRequestSpec {
+    let times: Vec<f64> = (1..=points).map(|number| seconds * number as f64 / points as f64).collect();
+    let axis = |number: usize| {
+        let angle = |time: f64| time + number as f64;
+        PvtAxisSpec {
+            axis: format!("x{number}"),
+            kind: Ok(AxisKind::Prismatic),
+            limits: LimitsSpec {
+                max_velocity: 0.5,
+                max_acceleration: 4.0,
+                max_jerk: 160.0,
+                ..LimitsSpec::default()
+            },
+            start: State { velocity: 0.1 * angle(0.0).cos(), ..State::default() },
+            positions: times.iter().map(|&time| 0.1 * (angle(time).sin() - angle(0.0).sin())).collect(),
+            velocities: times.iter().map(|&time| 0.1 * angle(time).cos()).collect(),
+            times: times.clone(),
+        }
+    };
+    PvtRequestSpec {
+        axes: (0..axes).map(axis).collect(),
+        cycle_time_ns: None,
+        interpolation: Ok(PvtInterpolation::SShaped),
+        policy: Ok(PvtPolicy::PreferVelocity),
+        finish_unreached: false,
+    }
+}
+
+/// Plans points in this process.
+#[must_use]
+pub fn planned_pvt(spec: PvtRequestSpec) -> Accepted {
+    let judged = JudgedPvt::answer(&PvtRequest::try_from(spec).expect("a request")).expect("a plan");
+    judged.judged().clone().accepted().expect("a good plan")
 }
 
 /// Opens `plan` on stream `stream`, to close at rest.

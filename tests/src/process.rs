@@ -53,15 +53,3 @@ impl Drop for Process {
         let _ = self.child.wait();
     }
 }
-
-/// CPU time that a process has used \[s\]. Source: proc(5), fields 14 and 15 of `stat`, in ticks of 10 ms.
-///
-/// # Errors
-/// Where there is no such process.
-pub fn cpu(process: u32) -> Result<f64, Failed> {
-    let stat = std::fs::read_to_string(format!("/proc/{process}/stat"))?;
-    let after_name = stat.rsplit_once(')').ok_or("stat has no name")?.1;
-    let ticks =
-        after_name.split_whitespace().skip(11).take(2).map(str::parse::<u64>).sum::<Result<u64, _>>()?;
-    Ok(ticks as f64 / 100.0)
-}
