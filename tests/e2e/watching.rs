@@ -84,15 +84,15 @@ async fn what_is_shown_is_what_was_played() {
     // Of a run by the wall clock, who reads too slowly loses the oldest samples.
     let both: Vec<_> =
         rows.iter().filter_map(|(cycle, shown)| Some((cycle, shown, played.get(cycle)?))).collect();
-    assert!(both.len() > 300, "{} of {} and {}", both.len(), rows.len(), played.len());
     for (cycle, (position, error), (at, off)) in &both {
         assert_eq!(position, at, "cycle {cycle}");
         assert!(error.is_none() || error == off, "cycle {cycle}");
     }
     // An axis that was kept from the processor for a second has opened its stream again, and the watcher saw the end of the first.
-    if report.failovers > 0 {
+    if report.stream.failovers > 0 {
         return;
     }
+    assert!(both.len() > 300, "{} of {} and {}", both.len(), rows.len(), played.len());
     let errors: Vec<_> = rows.values().filter_map(|(_, error)| *error).collect();
     assert!(errors.len() > 200, "{}", errors.len());
     assert!(errors.iter().any(|error| error.abs() > 1e-6));
@@ -142,7 +142,7 @@ async fn a_watcher_who_does_not_read_delays_nobody_and_is_told_what_it_lost() {
     let mut stream = Setpoints::open(&client, open).await.unwrap();
     crate::operations::play_to(&mut stream, 50).await;
     let watch = Watch { max_points: 10_000, ..Watch::stream("cell-7/x").every(Duration::from_millis(1)) };
-    let mut watching = client.watch(watch).await.unwrap();
+    let mut watching = client.watch(watch.clone()).await.unwrap();
     // More than channel, transport and windows hold; how much that is depends on how often the watcher's turn comes meanwhile.
     let mut played = 50;
     for _ in 0..20 {
@@ -150,11 +150,16 @@ async fn a_watcher_who_does_not_read_delays_nobody_and_is_told_what_it_lost() {
         crate::operations::play_to(&mut stream, played).await;
         // The axis plays on while what waits is read: a stream of which nothing is heard ends.
         for _ in 0..2000 {
-            if next(&mut watching).await.unwrap().messages_dropped > 0 {
+            let watched = next(&mut watching).await;
+            if watched.as_ref().is_some_and(|watched| watched.messages_dropped > 0) {
                 return;
             }
             played += 10;
             crate::operations::play_to(&mut stream, played).await;
+            if watched.is_none() {
+                // Kept from the processor for long, the axis has opened its stream again.
+                watching = client.watch(watch.clone()).await.unwrap();
+            }
         }
     }
     panic!("nothing was lost of {played} cycles that nobody read");

@@ -28,6 +28,7 @@ use prost::Message;
 use proto::pb::planner_service_client::PlannerServiceClient;
 use proto::{Detail, outgoing, pb, plan_to_wire};
 use serde_json::{Value, json};
+use tonic::codegen::http;
 use tonic::transport::Channel;
 use tonic_prost::ProstCodec;
 
