@@ -172,13 +172,10 @@ fn setpoints() {
         black_box(&rows);
     });
     let plan = splices::one_axis(&profile, problem.limits().clone(), cycle);
-    case("sample/in_a_row", rows.len(), || {
-        let mut rows = rows.iter_mut();
-        black_box(&plan).sampler().columns(0, 0..1000, |setpoint| {
-            if let Some(row) = rows.next() {
-                *row = setpoint.words();
-            }
-        });
+    let mut columns = [(); 4].map(|()| vec![0.0; 1000]);
+    case("sample/columns", 1000, || {
+        black_box(&plan).sampler().fill(0, 0, columns.each_mut().map(Vec::as_mut_slice));
+        black_box(&columns);
     });
     let limits = AxisLimits { velocity: 0.25, acceleration: 3.0, jerk: 100.0 };
     let mut running = Generator::new(limits, CycleTime::MILLISECOND).unwrap();

@@ -1,4 +1,4 @@
-//! What does a plan cost, beside the peer's?
+//! What does a plan cost, beside the peers'?
 //!
 //! ```text
 //! cargo bench -p portamento-planner --bench plan
@@ -21,6 +21,7 @@ use std::time::Instant;
 use common::Random;
 use common::moves::{self, Draw};
 use common::peer::{self, Peer};
+use common::s_curve;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, criterion_group, criterion_main};
 use planner::{
@@ -59,12 +60,50 @@ fn compare(criterion: &mut Criterion, name: &str, problems: &[Problem]) {
     group.bench_function("rsruckig", |bencher| {
         bencher.iter(|| peer.duration(black_box(cycle.next().unwrap())));
     });
+    let mut tally = s_curve::Tally::default();
+    let asked: Vec<_> = problems
+        .iter()
+        .filter_map(|problem| {
+            let ours = plan_move(problem).unwrap().duration();
+            tally.ask(problem, ours).map(|input| (problem.clone(), input))
+        })
+        .collect();
+    let at_rest = problems.iter().all(|problem| problem.start().is_at_rest() && problem.goal().is_at_rest());
+    // Whoever answers wrongly answers as fast as they like.
+    let (ours, second): (Vec<_>, Vec<_>) = asked.into_iter().filter(|_| at_rest).unzip();
+    let mut cycle = second.iter().cycle();
+    if !second.is_empty() {
+        group.bench_function("s_curve", |bencher| {
+            bencher.iter(|| black_box(&s_curve::plan(black_box(cycle.next().unwrap()))).j_max);
+        });
+    }
     group.finish();
     print_ratio(name, problems, &inputs, plan_move);
+    let s_curve::Tally { asked, right, slower, longest } = tally;
+    if asked > 0 {
+        println!(
+            "{name}: s_curve is asked {asked}, right in {right}, of which {slower} last longer than ours, by {longest:.1e} at most"
+        );
+    }
+    if !second.is_empty() {
+        print_by_turns(
+            name,
+            ("s_curve", second.len()),
+            || {
+                for problem in &ours {
+                    black_box(&plan_move(black_box(problem)));
+                }
+            },
+            || {
+                for input in &second {
+                    black_box(&s_curve::plan(black_box(input)));
+                }
+            },
+        );
+    }
 }
 
-/// The ratio of both, from the best of rounds by turns: other work on the machine slows down some, not all. Each turn is
-/// several rounds long, as criterion's are, so that neither is measured with the branches of the other.
+/// Our time beside rsruckig's.
 fn print_ratio<T>(
     name: &str,
     problems: &[Problem],
@@ -72,22 +111,38 @@ fn print_ratio<T>(
     plan: impl Fn(&Problem) -> T,
 ) {
     let mut peer = Peer::new();
-    let (mut ours, mut theirs) = (f64::INFINITY, f64::INFINITY);
-    for _ in 0..5 {
-        ours = ours.min(best_round(|| {
+    print_by_turns(
+        name,
+        ("rsruckig", problems.len()),
+        || {
             for problem in problems {
                 black_box(&plan(black_box(problem)));
             }
-        }));
-        theirs = theirs.min(best_round(|| {
+        },
+        || {
             for input in inputs {
                 black_box(peer.duration(black_box(input)));
             }
-        }));
+        },
+    );
+}
+
+/// The ratio of both, from the best of rounds by turns: other work on the machine slows down some, not all. Each turn is
+/// several rounds long, as criterion's are, so that neither is measured with the branches of the other.
+fn print_by_turns(
+    name: &str,
+    (peer, problems): (&str, usize),
+    mut ours: impl FnMut(),
+    mut theirs: impl FnMut(),
+) {
+    let mut best = (f64::INFINITY, f64::INFINITY);
+    for _ in 0..5 {
+        best.0 = best.0.min(best_round(&mut ours));
+        best.1 = best.1.min(best_round(&mut theirs));
     }
-    let each = |seconds: f64| seconds * 1e9 / problems.len() as f64;
-    let (ours, theirs) = (each(ours), each(theirs));
-    println!("{name}: {ours:.1} ns, {:.2} times as fast as rsruckig ({theirs:.1} ns)", theirs / ours);
+    let each = |seconds: f64| seconds * 1e9 / problems as f64;
+    let (ours, theirs) = (each(best.0), each(best.1));
+    println!("{name}: {ours:.1} ns, {:.2} times as fast as {peer} ({theirs:.1} ns)", theirs / ours);
 }
 
 /// The shortest of twenty rounds in a row [s].

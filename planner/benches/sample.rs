@@ -17,6 +17,7 @@ use std::hint::black_box;
 
 use common::axes::{self, Fixed};
 use common::peer::{self, Peer};
+use common::s_curve;
 use common::splices;
 use common::states::Question;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -86,6 +87,20 @@ fn samples(criterion: &mut Criterion) {
     group.bench_function("rsruckig", |bencher| {
         bencher.iter(|| theirs(&trajectory, black_box(*at.next().unwrap())));
     });
+    // Four functions, each of which looks for its piece.
+    let second = s_curve::functions(&s_curve::input(&problem).unwrap());
+    for &time in &times {
+        for (ours, theirs) in profile.at(time).words().into_iter().zip(&second).take(3) {
+            assert!((ours - theirs(time)).abs() < 1e-9, "{ours} and {} at {time}", theirs(time));
+        }
+    }
+    let mut at = times.iter().cycle();
+    group.bench_function("s_curve", |bencher| {
+        bencher.iter(|| {
+            let time = black_box(*at.next().unwrap());
+            second.each_ref().map(|part| part(time))
+        });
+    });
     group.finish();
 
     let mut group = criterion.benchmark_group("sample/1000_cycles");
@@ -101,15 +116,11 @@ fn samples(criterion: &mut Criterion) {
         });
     });
     let plan = splices::one_axis(&profile, problem.limits().clone(), cycle);
-    group.bench_function("ours, in a row", |bencher| {
+    let mut columns = [(); 4].map(|()| vec![0.0; CYCLES as usize]);
+    group.bench_function("ours, in columns", |bencher| {
         bencher.iter(|| {
-            let mut rows = column.iter_mut();
-            black_box(&plan).sampler().columns(0, 0..CYCLES, |setpoint| {
-                if let Some(row) = rows.next() {
-                    *row = setpoint.words();
-                }
-            });
-            black_box(&column);
+            black_box(&plan).sampler().fill(0, 0, columns.each_mut().map(Vec::as_mut_slice));
+            black_box(&columns);
         });
     });
     group.bench_function("rsruckig", |bencher| {
@@ -147,19 +158,36 @@ fn six_axes(criterion: &mut Criterion) {
 
     let mut group = criterion.benchmark_group("sample/1000_cycles_of_6_axes");
     group.throughput(Throughput::Elements(CYCLES * SIX as u64));
-    let mut rows = vec![[0.0; 4]; CYCLES as usize * SIX];
-    group.bench_function("ours, in a row", |bencher| {
+    let mut columns = [(); 4].map(|()| vec![0.0; CYCLES as usize * SIX]);
+    let cycles = |axis: usize| axis * CYCLES as usize..(axis + 1) * CYCLES as usize;
+    let fill = |columns: &mut [Vec<f64>; 4]| {
+        let mut sampler = black_box(plan).sampler();
+        for axis in 0..SIX {
+            sampler.fill(axis, 0, columns.each_mut().map(|column| &mut column[cycles(axis)]));
+        }
+    };
+    fill(&mut columns);
+    for (axis, planned) in plan.axes().iter().enumerate() {
+        for (number, place) in (0..).zip(cycles(axis)) {
+            let filled = columns.each_ref().map(|column| column[place]);
+            let expected = planned.profile.at(plan.time_of(number)).words();
+            assert_eq!(filled.map(f64::to_bits), expected.map(f64::to_bits), "{axis} at {number}");
+        }
+    }
+    group.bench_function("ours, in columns", |bencher| {
         bencher.iter(|| {
-            let (mut sampler, mut rows) = (black_box(plan).sampler(), rows.iter_mut());
-            for axis in 0..SIX {
-                sampler.columns(axis, 0..CYCLES, |setpoint| {
-                    if let Some(row) = rows.next() {
-                        *row = setpoint.words();
-                    }
-                });
-            }
+            fill(&mut columns);
+            black_box(&columns);
         });
-        black_box(&rows);
+    });
+    // What no way of computing them gets below: the same bytes, written and not computed.
+    group.bench_function("one number, written", |bencher| {
+        bencher.iter(|| {
+            for column in &mut columns {
+                column.fill(black_box(1.0));
+            }
+            black_box(&columns);
+        });
     });
     let times: Vec<f64> = (0..CYCLES).map(|number| plan.time_of(number)).collect();
     group.bench_function("rsruckig", |bencher| {

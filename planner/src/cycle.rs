@@ -66,11 +66,54 @@ impl CycleTime {
         if cycle < cycle_count { self.start_of(cycle) } else { f64::INFINITY }
     }
 
+    /// How many cycles from `first` on, at most so many, are due before `time` \[s\], which is after that first one.
+    pub(crate) fn cycles_before(self, time: f64, first: u64, most: u64) -> u64 {
+        // What comes after the last of them, to within the roundings of a quotient.
+        let next = (time * 1e9 / self.ns as f64) as u64 + 1;
+        let mut count = next.saturating_sub(first).clamp(1, most);
+        while count > 1 && self.start_of(first + count - 1) >= time {
+            count -= 1;
+        }
+        count
+    }
+
     /// The first cycle at or after `duration` \[s\]: the one at which a motion of that length has ended. `None` beyond
     /// [`LAST_CYCLE`].
     #[must_use]
     pub fn count(self, duration: f64) -> Option<u64> {
         let cycles = libm::ceil(duration * 1e9 / self.ns as f64 * (1.0 - END_SLACK));
         (cycles >= 0.0 && cycles <= LAST_CYCLE as f64).then_some(cycles as u64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+    use super::*;
+
+    #[test]
+    fn cycles_before_a_time_are_those_that_are_due_before_it() {
+        for ns in [10_000, 333_333, 1_000_000, 1_200_000, 999_999_999] {
+            let cycle_time = CycleTime::from_ns(Some(ns)).unwrap();
+            for last in [1, 2, 3, 7, 1000, 123_456_789, LAST_CYCLE - 1] {
+                let (due, first) = (cycle_time.start_of(last), last.saturating_sub(5));
+                for time in [due.next_down(), due, due.next_up(), due + 0.5 * cycle_time.as_seconds()] {
+                    if time <= cycle_time.start_of(first) {
+                        continue;
+                    }
+                    let expected =
+                        (first..first + 100).take_while(|&cycle| cycle_time.start_of(cycle) < time);
+                    let expected = expected.count() as u64;
+                    let counted = cycle_time.cycles_before(time, first, 100);
+                    // One of them may be left for the next count.
+                    assert!(
+                        counted == expected || counted + 1 == expected,
+                        "{counted} of {expected}, {ns} ns"
+                    );
+                    assert_eq!(cycle_time.cycles_before(time, first, 2), expected.min(2).min(counted));
+                }
+            }
+        }
     }
 }

@@ -227,7 +227,7 @@
 //! never on what was asked before. [`EVALUATION_VERSION`] names these bits.
 //!
 //! There is no I/O, no clock, no thread ([`Workers`] may lend some) and no randomness here, and [`plan_move`], [`plan_transfer`],
-//! [`together()`] (into a list with room), [`PvtPlanner::command`], [`Move::at`], [`Cursor::at`] and [`Sampler::columns`] take nothing from
+//! [`together()`] (into a list with room), [`PvtPlanner::command`], [`Move::at`], [`Cursor::at`] and [`Sampler::fill`] take nothing from
 //! the heap.
 //!
 //! # Notation, units, signs

@@ -2,6 +2,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::error::{Field, InvalidFields, Why};
+use crate::profile::Span;
 use crate::request::{AxisKind, Family, Synchronization};
 use crate::solve::{Adjustment, AdjustmentReason, plan_stop};
 use crate::{
@@ -270,9 +271,6 @@ pub(crate) fn adjusted(
     .map(move |(quantity, asked, _, planned)| Adjustment { quantity, asked, planned, reason })
 }
 
-/// Setpoints that are computed at once.
-const RUN: usize = 8;
-
 /// Reads the setpoints of a [`Plan`]. The answer depends on the cycle alone, never on what was read before.
 #[derive(Clone, Debug)]
 pub struct Sampler<'a> {
@@ -281,6 +279,9 @@ pub struct Sampler<'a> {
     cursors: Vec<Cursor<'a>>,
 }
 
+/// Of cycles that are computed at once: they are numbered by what the processor turns into two doubles at a time.
+const LONGEST_RUN: u64 = i32::MAX as u64;
+
 impl Sampler<'_> {
     /// The setpoints of all axes at `cycle`, in plan order.
     pub fn at(&mut self, cycle: u64) -> impl Iterator<Item = Setpoint> {
@@ -288,38 +289,85 @@ impl Sampler<'_> {
         self.cursors.iter_mut().map(move |cursor| cursor.at(time))
     }
 
-    /// The setpoints of axis number `axis` at `cycles`, appended column by column.
-    pub fn columns(&mut self, axis: usize, cycles: core::ops::Range<u64>, mut put: impl FnMut(Setpoint)) {
-        let mut cycle = cycles.start;
-        while cycle < cycles.end {
-            if cycles.end.min(self.cycle_count).saturating_sub(cycle) >= RUN as u64
-                && let Some(run) = self.run(axis, cycle)
-            {
-                run.into_iter().for_each(&mut put);
-                cycle += RUN as u64;
+    /// Fills columns, position to jerk, with the setpoints of axis number `axis` at as many cycles, from `first` on; as many as the
+    /// shortest has room for.
+    ///
+    /// ```
+    /// # use planner::{AxisKind, AxisPlan, CycleTime, Limits, Method, Plan, Problem, ShortPathPolicy, State, plan_move};
+    /// # let limits = Limits::symmetric(0.25, 3.0, 100.0)?;
+    /// # let goal = State::at_rest(0.05);
+    /// # let problem = Problem::new(State::at_rest(0.0), goal, limits.clone(), ShortPathPolicy::Reject)?;
+    /// # let planned = plan_move(&problem)?;
+    /// # let axis = AxisPlan {
+    /// #     axis: "x".into(), kind: AxisKind::Prismatic, limits, profile: planned.to_profile(), goal,
+    /// #     adjustments: Vec::new(), classification: planned.classification(), pvt_regions: Vec::new(),
+    /// # };
+    /// # let plan = Plan::new(Method::default(), Vec::new(), CycleTime::MILLISECOND, vec![axis])?;
+    /// let mut columns = [(); 4].map(|()| [0.0; 10]);
+    /// let mut sampler = plan.sampler();
+    /// sampler.fill(0, 100, columns.each_mut().map(|column| column.as_mut_slice()));
+    /// let eighth = sampler.at(107).next().ok_or("an axis")?;
+    /// assert_eq!(columns.map(|column| column[7]), eighth.words());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn fill(&mut self, axis: usize, first: u64, columns: [&mut [f64]; 4]) {
+        let count = columns.iter().map(|column| column.len()).min().unwrap_or_default();
+        let [position, velocity, acceleration, jerk] = columns.map(|column| &mut column[..count]);
+        let mut done = 0;
+        while done < count {
+            let cycle = first + done as u64;
+            let run = self.run(axis, cycle, (count - done) as u64);
+            if let Some(run) = run {
+                let filled = done..done + run.count;
+                run.fill(
+                    &mut position[filled.clone()],
+                    &mut velocity[filled.clone()],
+                    &mut acceleration[filled.clone()],
+                );
+                jerk[filled].fill(run.span.jerk);
+                done += run.count;
             } else {
                 let time = self.time_of(cycle);
-                put(self.cursors[axis].at(time));
-                cycle += 1;
+                [position[done], velocity[done], acceleration[done], jerk[done]] =
+                    self.cursors[axis].at(time).words();
+                done += 1;
             }
         }
     }
 
-    /// Cycles in a row, if they lie in one piece of constant jerk: with the bits of each by itself, but without a branch between
-    /// them, so that some are computed at once.
-    #[inline]
-    fn run(&mut self, axis: usize, first: u64) -> Option<[Setpoint; RUN]> {
-        let ends = [first, first + RUN as u64 - 1].map(|cycle| self.cycle_time.start_of(cycle));
-        let (begin, start, jerk) = self.cursors[axis].constant_jerk(ends[0], ends[1])?;
-        let (mut times, first) = ([0.0; RUN], first as f64);
-        for (index, time) in times.iter_mut().enumerate() {
-            // Whole numbers of cycles are exact.
-            *time = self.cycle_time.after(first + index as f64) - begin;
-        }
-        Some(times.map(|time| Setpoint { state: start.after(jerk, time), jerk }))
+    /// The cycles from `first` on, at most so many, that lie in the piece in which that one lies, if its jerk is constant.
+    fn run(&mut self, axis: usize, first: u64, most: u64) -> Option<Run> {
+        let time = self.time_of(first);
+        let span = self.cursors[axis].constant_jerk(time)?;
+        let most = most.min(self.cycle_count - first).min(LONGEST_RUN);
+        let count = self.cycle_time.cycles_before(span.end, first, most) as usize;
+        Some(Run { cycle_time: self.cycle_time, first: first as f64, count, span })
     }
 
     fn time_of(&self, cycle: u64) -> f64 {
         self.cycle_time.time_of(cycle, self.cycle_count)
+    }
+}
+
+/// Cycles in a row that lie in one piece of constant jerk.
+struct Run {
+    cycle_time: CycleTime,
+    /// A whole number.
+    first: f64,
+    count: usize,
+    span: Span,
+}
+
+impl Run {
+    /// With the bits of each cycle by itself, but without a branch between them, so that some are computed at once.
+    fn fill(&self, position: &mut [f64], velocity: &mut [f64], acceleration: &mut [f64]) {
+        let Self { cycle_time, first, span: Span { begin, start, jerk, .. }, .. } = *self;
+        let columns = position.iter_mut().zip(velocity).zip(acceleration);
+        for (index, ((position, velocity), acceleration)) in columns.enumerate() {
+            // Whole numbers of cycles are exact.
+            let time = cycle_time.after(first + f64::from(index as i32)) - begin;
+            let state = start.after(jerk, time);
+            (*position, *velocity, *acceleration) = (state.position, state.velocity, state.acceleration);
+        }
     }
 }

@@ -258,6 +258,15 @@ pub struct Cursor<'a> {
     index: usize,
 }
 
+/// A piece of constant jerk, and when it begins and ends \[s\].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Span {
+    pub(crate) begin: f64,
+    pub(crate) end: f64,
+    pub(crate) start: State,
+    pub(crate) jerk: f64,
+}
+
 impl<'a> Cursor<'a> {
     /// At the beginning of `profile`.
     #[must_use]
@@ -277,6 +286,27 @@ impl<'a> Cursor<'a> {
         if t < 0.0 {
             return Setpoint::held(self.profile.start());
         }
+        self.seek(t);
+        pieces.at(self.index, t - begins[self.index])
+    }
+
+    /// The piece of constant jerk that time `t` lies in, if it lies in one.
+    #[inline]
+    pub(crate) fn constant_jerk(&mut self, t: f64) -> Option<Span> {
+        let Profile { pieces, begins, duration, .. } = self.profile;
+        if !(0.0..*duration).contains(&t) {
+            return None;
+        }
+        self.seek(t);
+        let (_, start, jerk) = pieces.constant_jerk(self.index)?;
+        let end = *begins.get(self.index + 1).unwrap_or(duration);
+        Some(Span { begin: begins[self.index], end, start, jerk })
+    }
+
+    /// Goes to the piece that time `t` lies in; it lies in one.
+    #[inline]
+    fn seek(&mut self, t: f64) {
+        let begins = self.profile.begins();
         if begins[self.index] > t {
             self.index = begins.partition_point(|&begin| begin <= t) - 1;
         } else if begins.get(self.index + 1).is_some_and(|&next| next <= t) {
@@ -285,20 +315,5 @@ impl<'a> Cursor<'a> {
                 self.index = begins.partition_point(|&begin| begin <= t) - 1;
             }
         }
-        pieces.at(self.index, t - begins[self.index])
-    }
-
-    /// When it begins \[s\], where, and the jerk of the piece of constant jerk that both times lie in, if they lie in one.
-    #[inline]
-    pub(crate) fn constant_jerk(&mut self, from: f64, to: f64) -> Option<(f64, State, f64)> {
-        let Profile { pieces, begins, duration, .. } = self.profile;
-        let lies = |index: usize| {
-            let end = begins.get(index + 1).unwrap_or(duration);
-            begins.get(index).is_some_and(|begin| *begin <= from && to < *end)
-        };
-        let index = [self.index, self.index + 1].into_iter().find(|&index| lies(index))?;
-        let (_, start, jerk) = pieces.constant_jerk(index)?;
-        self.index = index;
-        Some((begins[index], start, jerk))
     }
 }

@@ -233,12 +233,14 @@ proptest! {
         let plan = case.plan();
         let first = (part * plan.cycle_count() as f64) as u64;
         let cycles = first..(first + 300).min(plan.cycle_count() + 5);
-        let mut columns = Vec::new();
-        plan.sampler().columns(0, cycles.clone(), |setpoint| columns.push(setpoint.words().map(f64::to_bits)));
         let each: Vec<_> = cycles
             .map(|cycle| plan.sampler().at(cycle).next().unwrap().words().map(f64::to_bits))
             .collect();
-        prop_assert_eq!(columns, each);
+        let mut filled = [(); 4].map(|()| vec![f64::NAN; each.len()]);
+        plan.sampler().fill(0, first, filled.each_mut().map(Vec::as_mut_slice));
+        let filled: Vec<_> =
+            (0..each.len()).map(|index| filled.each_ref().map(|column| column[index].to_bits())).collect();
+        prop_assert_eq!(filled, each);
     }
 
     /// No length of time can be taken from one hold and given to none: each is at the distance or at a limit.

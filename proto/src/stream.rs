@@ -239,13 +239,15 @@ impl Columns {
     /// The setpoints of `plan` at its cycles `cycles`.
     #[must_use]
     pub fn of_plan(plan: &Plan, cycles: std::ops::Range<u64>) -> Self {
-        let axes = plan.axes().len();
-        let mut columns = Self::with_capacity((cycles.end - cycles.start) as usize, axes);
+        let (axes, count) = (plan.axes().len(), cycles.end.saturating_sub(cycles.start) as usize);
+        let mut columns = [(); 4].map(|()| vec![0.0; count * axes]);
         let mut sampler = plan.sampler();
         for axis in 0..axes {
-            sampler.columns(axis, cycles.clone(), |setpoint| columns.push(setpoint));
+            let filled = axis * count..(axis + 1) * count;
+            sampler.fill(axis, cycles.start, columns.each_mut().map(|column| &mut column[filled.clone()]));
         }
-        columns
+        let [position, velocity, acceleration, jerk] = columns;
+        Self { cycles: count, position, velocity, acceleration, jerk }
     }
 
     /// Takes columns as they are. `None` where their lengths are not the same whole number of cycles.

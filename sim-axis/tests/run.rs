@@ -124,8 +124,7 @@ async fn session(
                 _ => u64::MAX,
             };
             let (from, to) = (sent + 1, (sent + u64::from(batch_cycles)).min(grant).min(end).min(stops));
-            let mut columns = Columns::with_capacity((to - from + 1) as usize, 1);
-            plan.sampler().columns(0, from..to + 1, |setpoint| columns.push(setpoint));
+            let columns = Columns::of_plan(plan, from..to + 1);
             digests.truncate(from as usize);
             digests.extend(columns.digests(from, digest));
             digest = *digests.last()?;

@@ -70,7 +70,6 @@ fn player(plan: &Accepted) -> Player {
 /// A server without a network: makes the batches of a plan.
 struct Source<'a> {
     plan: &'a Accepted,
-    sampler: planner::Sampler<'a>,
     motion: Motion,
     digest: Digest,
     sent: u64,
@@ -80,17 +79,14 @@ struct Source<'a> {
 impl<'a> Source<'a> {
     fn of(plan: &'a Accepted) -> Self {
         let motion = Motion::opened(planner::motion::Motion::open(plan.clone()).unwrap());
-        Self { plan, sampler: plan.plan().sampler(), motion, digest: Digest::ZERO, sent: 0, rests_on: false }
+        Self { plan, motion, digest: Digest::ZERO, sent: 0, rests_on: false }
     }
 
     /// The next cycles through `to`; the last batch ends with the plan.
     fn through(&mut self, to: u64) -> Batch {
         let end = if self.rests_on { u64::MAX } else { self.plan.plan().cycle_count() };
         let (first, last) = (self.sent + 1, to.min(end));
-        let mut columns = Columns::with_capacity((last - first + 1) as usize, self.plan.plan().axes().len());
-        for axis in 0..self.plan.plan().axes().len() {
-            self.sampler.columns(axis, first..last + 1, |setpoint| columns.push(setpoint));
-        }
+        let columns = Columns::of_plan(self.plan.plan(), first..last + 1);
         self.digest = columns.digests(first, self.digest).last().unwrap();
         self.sent = last;
         let tails = self.motion.tails(last).unwrap();

@@ -166,13 +166,14 @@ impl Pair<'_> {
         let mut from = 0;
         while from < end {
             let to = end.min(from + CHUNK);
-            let mut columns = [Vec::new(), Vec::new()];
-            for ((sampler, place), column) in samplers.iter_mut().zip(self.places).zip(&mut columns) {
-                sampler.columns(place, from..to, |setpoint| column.push(setpoint.words()));
+            let count = (to - from) as usize;
+            let mut columns = [(); 2].map(|()| [(); 4].map(|()| vec![0.0; count]));
+            for ((sampler, place), columns) in samplers.iter_mut().zip(self.places).zip(&mut columns) {
+                sampler.fill(place, from, columns.each_mut().map(Vec::as_mut_slice));
             }
             let [left, right] = columns;
-            for ((cycle, left), right) in (from..to).zip(left).zip(right) {
-                if !see(cycle, [0, 1, 2, 3].map(|word| [left[word], right[word]])) {
+            for (cycle, index) in (from..to).zip(0..) {
+                if !see(cycle, [0, 1, 2, 3].map(|word| [left[word][index], right[word][index]])) {
                     return;
                 }
             }

@@ -13,6 +13,7 @@ pub(crate) mod peer;
 pub(crate) mod ramp;
 pub(crate) mod random;
 pub(crate) mod record;
+pub(crate) mod s_curve;
 pub(crate) mod splices;
 pub(crate) mod states;
 pub(crate) mod transit;
