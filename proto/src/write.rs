@@ -192,7 +192,7 @@ mod tests {
             };
             assert_eq!(writer.into_bytes(), check.encode_to_vec(), "{value}");
         }
-        let guaranteed = vec![0, 1, 300, -7];
+        let guaranteed = [0, 1, 300, -7];
         for given in [&guaranteed[..], &[]] {
             let mut writer = Writer::default();
             writer.whole(4, 0);

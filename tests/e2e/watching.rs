@@ -68,6 +68,10 @@ async fn what_is_shown_is_what_was_played() {
                 ask_at = result.effective_cycle + 300;
             }
         }
+        // Where it sees nothing more too early, the axis is not left holding.
+        for (left, ask) in asks.into_iter().enumerate() {
+            let _ = commander.operate(Operation::now(format!("left {left}"), ask)).await;
+        }
         (rows, phases, events)
     });
     let mut played = Rows::new();
