@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use client::Client;
-use e2e::{cpu, fifty_millimetres};
+use e2e::{cpu_with_ended, fifty_millimetres};
 use proto::{Detail, MoveColumns};
 use tokio::sync::mpsc;
 
@@ -40,7 +40,7 @@ pub(crate) async fn calling<F: Future<Output = Result<(), tonic::Status>> + Send
     ask: impl Fn() -> F,
 ) -> Result<(), Failed> {
     let until = Instant::now() + Duration::from_secs(args.seconds);
-    let (begun, used) = (Instant::now(), [cpu(server)?, cpu(std::process::id())?]);
+    let (begun, used) = (Instant::now(), [cpu_with_ended(server)?, cpu_with_ended(std::process::id())?]);
     let mut waiting = tokio::task::JoinSet::new();
     let timed = |call: F| async move {
         let asked = Instant::now();
@@ -67,7 +67,7 @@ pub(crate) async fn pacing<F: Future<Output = Result<(), tonic::Status>> + Send 
     into: &mut Measured,
     ask: impl Fn() -> F + Clone + Send + 'static,
 ) -> Result<(), Failed> {
-    let (begun, used) = (Instant::now(), [cpu(server)?, cpu(std::process::id())?]);
+    let (begun, used) = (Instant::now(), [cpu_with_ended(server)?, cpu_with_ended(std::process::id())?]);
     let (calls, rate) = (u64::from(args.paced) * args.seconds, f64::from(args.paced));
     let mut callers = tokio::task::JoinSet::new();
     let turns: Vec<_> = (0..args.concurrency)
@@ -121,7 +121,7 @@ pub(crate) async fn streaming(
     detail: Detail,
 ) -> Result<(), Failed> {
     let until = Instant::now() + Duration::from_secs(args.seconds);
-    let (begun, used) = (Instant::now(), [cpu(server)?, cpu(std::process::id())?]);
+    let (begun, used) = (Instant::now(), [cpu_with_ended(server)?, cpu_with_ended(std::process::id())?]);
     let requests = Arc::new(vec![fifty_millimetres(); args.per_message]);
     let mut streams = tokio::task::JoinSet::new();
     for _ in 0..args.streams {
@@ -165,7 +165,7 @@ pub(crate) async fn in_columns(
     detail: Detail,
 ) -> Result<(), Failed> {
     let until = Instant::now() + Duration::from_secs(args.seconds);
-    let (begun, used) = (Instant::now(), [cpu(server)?, cpu(std::process::id())?]);
+    let (begun, used) = (Instant::now(), [cpu_with_ended(server)?, cpu_with_ended(std::process::id())?]);
     let mut streams = tokio::task::JoinSet::new();
     for _ in 0..args.streams {
         let (asking, mut answers) = client.plan_many(detail).await?;
@@ -191,7 +191,7 @@ pub(crate) async fn in_columns(
 
 pub(crate) fn count(into: &mut Measured, server: u32, begun: Instant, used: [f64; 2]) -> Result<(), Failed> {
     into.seconds += begun.elapsed().as_secs_f64();
-    into.server += cpu(server)? - used[0];
-    into.asking += cpu(std::process::id())? - used[1];
+    into.server += cpu_with_ended(server)? - used[0];
+    into.asking += cpu_with_ended(std::process::id())? - used[1];
     Ok(())
 }
