@@ -133,7 +133,7 @@ const STREAMS: &[Panel] = &[
     },
     Panel {
         question: "take-over",
-        title: "Streams whose server is killed, until they are open again",
+        title: "Server killed: until its streams are open again",
         across: "Streams",
         up: "Time [ms]",
         series: &["p50, plain", "longest, plain", "p50, compact", "longest, compact"],
