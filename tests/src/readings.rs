@@ -29,7 +29,7 @@ pub fn cpu_with_ended(process: u32) -> Result<f64, Failed> {
     Ok(ticks as f64 / 100.0)
 }
 
-/// Memory that a process has in use [KiB].
+/// Memory that a process has in use \[KiB\].
 ///
 /// # Errors
 /// Where there is no such process.
@@ -42,7 +42,7 @@ pub fn resident_kib(process: u32) -> Result<u64, Failed> {
 /// What has gone over the loopback interface so far, both ways.
 #[derive(Clone, Copy, Debug)]
 pub struct Traffic {
-    /// With the headers of Ethernet, IP and TCP [bytes].
+    /// With the headers of Ethernet, IP and TCP \[bytes\].
     pub bytes: u64,
     /// How many packets that was.
     pub packets: u64,
