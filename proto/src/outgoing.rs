@@ -1,6 +1,6 @@
 //! What a server says with plans in it: the same messages, with the plans in bytes already.
 //!
-//! A field that is a message is written as one of bytes is, so they have the names of those messages, and their JSON. [`pb`](crate::pb) has the service with these answers, and
+//! A field that is a message is written as one of bytes is, so they have the names of those messages, and their JSON. [`pb`] has the service with these answers, and
 //! everybody who reads them has the trees of the same names there.
 
 use prost::bytes::Bytes;
