@@ -107,6 +107,7 @@ pub(crate) fn run(args: &Args, axes: usize) -> Result<Value, Failed> {
             "serverCpu": served(&steady, 0).map(|used| used / steady.seconds),
             "axesCpu": steady.axes / steady.seconds,
             "kibPerStream": loaded.server.zip(empty.server).map(|(now, then)| each(now - then)),
+            "idleKib": empty.server,
             "axesKibPerStream": each(loaded.axes - empty.axes),
         }))
     })

@@ -4,8 +4,8 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::Failed;
 use crate::measured::Measured;
+use crate::{Args, Failed};
 
 /// Streams that run beside.
 const STREAMS: &str = "200";
@@ -26,10 +26,12 @@ const KEPT: [(&str, &str); 12] = [
     ("calls", "calls"),
 ];
 
-pub(crate) fn measure(into: &mut Measured) -> Result<(), Failed> {
+pub(crate) fn measure(args: &Args, into: &mut Measured) -> Result<(), Failed> {
     let mut command = Command::new(std::env::current_exe()?.with_file_name("portamento-plans"));
     command.args(["--single", "--json", "--streams-beside", STREAMS]);
-    command.args(["--rounds", "3", "--seconds", "3"]);
+    // A thousand times as many calls as are above p99.9 take a while.
+    let seconds = 3 * args.seconds;
+    command.args(["--rounds", &args.rounds.to_string(), "--seconds", &seconds.to_string()]);
     let output = command.output().map_err(|error| format!("portamento-plans: {error}: build it"))?;
     if !output.status.success() {
         return Err(String::from_utf8_lossy(&output.stderr).into_owned().into());

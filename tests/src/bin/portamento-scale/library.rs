@@ -4,9 +4,9 @@ use std::hint::black_box;
 use std::process::Command;
 
 use e2e::{fifty_millimetres, planned_pvt, resident_kib, swing, together};
-use planner::{Accepted, Judged, JudgedPvt, PvtRequest, Request, RequestSpec, certify, plan};
+use planner::{Accepted, Alone, Judged, JudgedPvt, PvtRequest, Request, RequestSpec, certify, plan};
 use prost::Message as _;
-use proto::{pb, plan_from_wire, plan_to_wire, pvt_to_wire};
+use proto::{encode_plan, encode_pvt, pb, plan_from_wire};
 use rustix::time::{ClockId, clock_gettime};
 
 use crate::Failed;
@@ -39,7 +39,7 @@ fn by_axes(axes: usize, into: &mut Measured) -> Result<(), Failed> {
     let answer = || {
         let wire = pb::PlanRequest::decode(bytes.as_slice()).unwrap_or_default();
         let request = Request::try_from(RequestSpec::from(wire)).ok()?;
-        Some(plan_to_wire(&Judged::answer(&request).ok()?).encode_to_vec().len())
+        Some(encode_plan(&Judged::answer(&request).ok()?).len())
     };
     answer().ok_or("a move of several axes cannot be read again")?;
     let n = axes as f64;
@@ -58,7 +58,7 @@ fn by_points(points: usize, axes: usize, into: &mut Measured) -> Result<(), Fail
     let answer = || {
         let wire = pb::PlanPvtRequest::decode(bytes.as_slice()).unwrap_or_default();
         let request = PvtRequest::try_from(planner::PvtRequestSpec::from(wire)).ok()?;
-        Some(pvt_to_wire(&JudgedPvt::answer(&request).ok()?).encode_to_vec().len())
+        Some(encode_pvt(&JudgedPvt::answer(&request).ok()?, &Alone).encode_to_vec().len())
     };
     answer().ok_or("a table cannot be read again")?;
     let (n, axes) = (points as f64, if axes == 1 { "1 axis" } else { "6 axes" });
@@ -70,9 +70,9 @@ fn by_points(points: usize, axes: usize, into: &mut Measured) -> Result<(), Fail
 /// A plan of many pieces, of one axis.
 fn by_pieces(points: usize, into: &mut Measured) -> Result<(), Failed> {
     let plan = planned_pvt(swing(1, points, BEAT * points as f64));
-    let bytes = plan_to_wire(plan.judged()).encode_to_vec();
+    let bytes = encode_plan(plan.judged());
     let read = || -> Option<Accepted> {
-        Judged::new(plan_from_wire(pb::Plan::decode(bytes.as_slice()).ok()?).ok()?).accepted().ok()
+        Judged::new(plan_from_wire(pb::Plan::decode(bytes.clone()).ok()?).ok()?).accepted().ok()
     };
     read().ok_or("a plan cannot be read again")?;
     let cycles = plan.plan().cycle_count();
@@ -111,10 +111,11 @@ fn weighed(points: usize) -> Result<f64, Failed> {
 pub(crate) fn weigh(points: usize) -> Result<f64, Failed> {
     let plan = planned_pvt(swing(1, points, BEAT * points as f64));
     let copies = 500_000 / (points + 10) + 2;
+    let mut kept = Vec::with_capacity(copies);
     let before = resident_kib(std::process::id())? as f64;
-    let kept = black_box(vec![plan; copies]);
+    kept.resize_with(copies, || plan.clone());
     let after = resident_kib(std::process::id())? as f64;
-    drop(kept);
+    drop(black_box(kept));
     Ok((after - before) / copies as f64)
 }
 

@@ -19,6 +19,8 @@ const GATEWAY: usize = 50;
 const TRIP: f64 = 250e-6;
 /// Calls of `Plan` for each axis [1/s].
 const PLANS: f64 = 0.1;
+/// With so many times as many servers as streams alone would need, more of them are not what is missing.
+const GIVEN_UP: usize = 4;
 /// How often the same failure is simulated, each time with other phases and heirs.
 const SEEDS: u64 = 5;
 /// Preamble, check sum and gap of a packet of Ethernet, which the loopback interface does not have [bytes].
@@ -30,7 +32,7 @@ pub(crate) struct Stream {
     pub(crate) costs: Costs,
     /// Both ways, with all headers [bytes/s].
     pub(crate) bytes: f64,
-    /// Of a server, for each stream, and without any [MiB].
+    /// Of a server's process, for each stream, and without any [MiB].
     pub(crate) memory: f64,
     pub(crate) base: f64,
     /// As many as a server was measured with.
@@ -81,21 +83,22 @@ pub(crate) struct Sized {
 }
 
 impl Sized {
-    /// So many servers may die at the same moment.
-    pub(crate) fn least(axes: usize, deaths: usize, stream: &Stream, seed: u64) -> Self {
+    /// So many servers may die at the same moment, and none of the others then has more streams than servers were measured with.
+    pub(crate) fn least(axes: usize, deaths: usize, stream: &Stream, seed: u64) -> Result<Self, Failed> {
         // From where the streams alone fit.
         let work = axes as f64 * (stream.costs.batch / BATCH + PLANS * stream.costs.plan);
         let fit = (work / (BUSY * CORES as f64)).ceil() as usize;
-        let mut replicas = deaths + fit.max(axes.div_ceil(stream.most));
-        loop {
+        let fewest = deaths + fit.max(axes.div_ceil(stream.most));
+        for replicas in fewest..=GIVEN_UP * fewest {
             let plant = plant(axes, replicas, stream);
             let worst = worst_of(&plant, deaths, seed);
-            if worst.underruns == 0 {
+            if worst.underruns == 0 && worst.most_streams <= stream.most {
                 let in_order = worst_of(&Plant { heirs: Heirs::Next, ..plant.clone() }, deaths, seed);
-                return Self { plant, worst, in_order };
+                return Ok(Self { plant, worst, in_order });
             }
-            replicas += 1;
         }
+        Err(format!("{axes} axes miss cycles with {} servers, too, where {deaths} die", GIVEN_UP * fewest)
+            .into())
     }
 
     /// A hundred deaths one after the other: a server lives for thirty days, and is back after ten seconds.

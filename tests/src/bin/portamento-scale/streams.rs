@@ -29,7 +29,8 @@ pub(crate) fn measure(args: &Args, into: &mut Measured) -> Result<(), Failed> {
             into.add("streams", &format!("axes, {form}"), n, row.of("axesCpu")?);
             into.add("bytes", form, n, row.of("bytesPerSetpoint")?);
             into.add("packets", form, n, row.of("packetsPerSetpoint")?);
-            into.add("memory", &format!("server, {form}"), n, n * row.of("kibPerStream")? / 1024.0);
+            let server = row.of("idleKib")? + n * row.of("kibPerStream")?;
+            into.add("memory", &format!("server, {form}"), n, server / 1024.0);
             into.add("memory", &format!("axes, {form}"), n, n * row.of("axesKibPerStream")? / 1024.0);
         }
         for axes in AXES {

@@ -123,15 +123,18 @@ fn traffic(points: &[Point]) -> Result<String, Failed> {
 
 fn calls(points: &[Point]) -> Result<String, Failed> {
     let mut text = "\n| `Plan`, 64 callers | calls/s | p50 [µs] | p99 [µs] | p99.9 [µs] | longest [µs] | server [cores] | axes that missed a cycle | least lead |\n|---|---|---|---|---|---|---|---|---|\n".to_owned();
-    for name in ["Plan, by the clock", "Plan, by the clock, streams beside", "Plan", "Plan, streams beside"] {
+    for (name, asked) in [
+        ("Plan, by the clock", "by the clock"),
+        ("Plan, by the clock, streams beside", "by the clock, 200 streams beside"),
+        ("Plan", "each after its answer"),
+        ("Plan, streams beside", "each after its answer, 200 streams beside"),
+    ] {
         let of =
             |what: &str| series(points, name, what).first().map_or("–".to_owned(), |it| brief(it.median));
         writeln!(
             text,
             "| {} | {} | {} | {} | {} | {} | {} | {} | {} |",
-            name.strip_prefix("Plan, ")
-                .unwrap_or("each after its answer")
-                .replace("streams beside", "200 streams beside"),
+            asked,
             of("calls a second"),
             of("p50"),
             of("p99"),
@@ -175,7 +178,7 @@ fn plants(forms: &[(&str, Stream)], seed: u64) -> Result<String, Failed> {
     for (form, stream) in forms {
         for axes in [10, 1000, 100_000] {
             for deaths in [1, 2] {
-                let sized = Sized::least(axes, deaths, stream, seed);
+                let sized = Sized::least(axes, deaths, stream, seed)?;
                 let (worst, replicas) = (&sized.worst, sized.plant.replicas);
                 let most = worst.most_streams as f64;
                 writeln!(
