@@ -14,6 +14,8 @@ use crate::{Args, Failed};
 #[derive(Default)]
 pub(crate) struct Measured {
     pub(crate) plans: u64,
+    /// Of each round [1/s].
+    pub(crate) rates: Vec<f64>,
     pub(crate) seconds: f64,
     pub(crate) server: f64,
     pub(crate) asking: f64,
@@ -40,7 +42,7 @@ pub(crate) async fn calling<F: Future<Output = Result<(), tonic::Status>> + Send
     ask: impl Fn() -> F,
 ) -> Result<(), Failed> {
     let until = Instant::now() + Duration::from_secs(args.seconds);
-    let (begun, used) = (Instant::now(), [cpu_with_ended(server)?, cpu_with_ended(std::process::id())?]);
+    let before = Before::of(into, server)?;
     let mut waiting = tokio::task::JoinSet::new();
     let timed = |call: F| async move {
         let asked = Instant::now();
@@ -56,7 +58,7 @@ pub(crate) async fn calling<F: Future<Output = Result<(), tonic::Status>> + Send
             waiting.spawn(timed(ask()));
         }
     }
-    count(into, server, begun, used)
+    before.count(into)
 }
 
 /// Calls by the clock, one caller after the other in turn. A call whose caller still waits for the answer before is made when that has
@@ -67,8 +69,8 @@ pub(crate) async fn pacing<F: Future<Output = Result<(), tonic::Status>> + Send 
     into: &mut Measured,
     ask: impl Fn() -> F + Clone + Send + 'static,
 ) -> Result<(), Failed> {
-    let (begun, used) = (Instant::now(), [cpu_with_ended(server)?, cpu_with_ended(std::process::id())?]);
-    let (calls, rate) = (u64::from(args.paced) * args.seconds, f64::from(args.paced));
+    let before = Before::of(into, server)?;
+    let (begun, calls, rate) = (before.begun, u64::from(args.paced) * args.seconds, f64::from(args.paced));
     let mut callers = tokio::task::JoinSet::new();
     let turns: Vec<_> = (0..args.concurrency)
         .map(|_| {
@@ -105,7 +107,7 @@ pub(crate) async fn pacing<F: Future<Output = Result<(), tonic::Status>> + Send 
         }
     }
     clock.join().map_err(|_| "the clock has stopped")?;
-    count(into, server, begun, used)
+    before.count(into)
 }
 
 fn nanoseconds(time: Duration) -> u32 {
@@ -121,7 +123,7 @@ pub(crate) async fn streaming(
     detail: Detail,
 ) -> Result<(), Failed> {
     let until = Instant::now() + Duration::from_secs(args.seconds);
-    let (begun, used) = (Instant::now(), [cpu_with_ended(server)?, cpu_with_ended(std::process::id())?]);
+    let before = Before::of(into, server)?;
     let requests = Arc::new(vec![fifty_millimetres(); args.per_message]);
     let mut streams = tokio::task::JoinSet::new();
     for _ in 0..args.streams {
@@ -142,7 +144,7 @@ pub(crate) async fn streaming(
     while let Some(plans) = streams.join_next().await {
         into.plans += plans??;
     }
-    count(into, server, begun, used)
+    before.count(into)
 }
 
 /// One axis from wherever to wherever: each move another one.
@@ -165,7 +167,7 @@ pub(crate) async fn in_columns(
     detail: Detail,
 ) -> Result<(), Failed> {
     let until = Instant::now() + Duration::from_secs(args.seconds);
-    let (begun, used) = (Instant::now(), [cpu_with_ended(server)?, cpu_with_ended(std::process::id())?]);
+    let before = Before::of(into, server)?;
     let mut streams = tokio::task::JoinSet::new();
     for _ in 0..args.streams {
         let (asking, mut answers) = client.plan_many(detail).await?;
@@ -186,12 +188,30 @@ pub(crate) async fn in_columns(
     while let Some(plans) = streams.join_next().await {
         into.plans += plans??;
     }
-    count(into, server, begun, used)
+    before.count(into)
 }
 
-pub(crate) fn count(into: &mut Measured, server: u32, begun: Instant, used: [f64; 2]) -> Result<(), Failed> {
-    into.seconds += begun.elapsed().as_secs_f64();
-    into.server += cpu_with_ended(server)? - used[0];
-    into.asking += cpu_with_ended(std::process::id())? - used[1];
-    Ok(())
+/// How things stood when a round began.
+struct Before {
+    begun: Instant,
+    server: u32,
+    used: [f64; 2],
+    plans: u64,
+}
+
+impl Before {
+    fn of(measured: &Measured, server: u32) -> Result<Self, Failed> {
+        let used = [cpu_with_ended(server)?, cpu_with_ended(std::process::id())?];
+        Ok(Self { begun: Instant::now(), server, used, plans: measured.plans })
+    }
+
+    /// What the round took.
+    fn count(self, into: &mut Measured) -> Result<(), Failed> {
+        let seconds = self.begun.elapsed().as_secs_f64();
+        into.rates.push((into.plans - self.plans) as f64 / seconds);
+        into.seconds += seconds;
+        into.server += cpu_with_ended(self.server)? - self.used[0];
+        into.asking += cpu_with_ended(std::process::id())? - self.used[1];
+        Ok(())
+    }
 }

@@ -39,6 +39,12 @@ impl Beside {
         drop(self.0.stdin.take());
         let mut text = String::new();
         self.0.stdout.take().ok_or("the streams beside say nothing")?.read_to_string(&mut text)?;
+        let status = self.0.wait()?;
+        if !status.success() {
+            return Err(
+                format!("the streams beside ended with {status}: run portamento-load by itself").into()
+            );
+        }
         let rows: Value = serde_json::from_str(&text)?;
         let count =
             |key: &str| rows[0][key].as_u64().ok_or_else(|| format!("the streams beside do not tell {key}"));

@@ -60,6 +60,9 @@ struct Args {
     /// Measure single calls of Plan alone.
     #[arg(long, conflicts_with = "columns")]
     single: bool,
+    /// Measure empty calls and Plan beside them alone: many short rounds tell most.
+    #[arg(long, conflicts_with_all = ["columns", "single"])]
+    against_empty: bool,
     /// Calls a second of Plan where they are made by the clock, whether the one before is answered or not.
     #[arg(long, default_value_t = 2000, value_name = "PER_SECOND")]
     paced: u32,
@@ -113,22 +116,33 @@ fn run(args: &Args) -> Result<Vec<Value>, Failed> {
         let asked = request.clone();
         let channel = calls.clone();
         let ask = move || ask_plan(channel.clone(), asked.clone());
-        for _ in 0..args.rounds {
+        for round in 0..args.rounds {
             let server = planner.child.id();
-            if !args.single {
+            if !args.single && !args.against_empty {
                 in_columns(args, server, &mut all[5], &client, &moves, Detail::Full).await?;
                 in_columns(args, server, &mut all[6], &client, &moves, Detail::Motion).await?;
             }
             if args.columns {
                 continue;
             }
-            if !args.single {
-                let ask = || ask_empty(empties.clone(), filling.clone());
-                calling(args, empty.child.id(), &mut all[0], ask).await?;
-                let ask = || ask_bytes(calls.clone(), request.clone());
-                calling(args, server, &mut all[1], ask).await?;
+            // There and back again: whatever drifts has as much of each.
+            for turn in 0..3 {
+                match if round % 2 == 0 { turn } else { 2 - turn } {
+                    0 if !args.single => {
+                        let ask = || ask_empty(empties.clone(), filling.clone());
+                        calling(args, empty.child.id(), &mut all[0], ask).await?;
+                    }
+                    1 if !args.single => {
+                        let ask = || ask_bytes(calls.clone(), request.clone());
+                        calling(args, server, &mut all[1], ask).await?;
+                    }
+                    2 => calling(args, server, &mut all[2], &ask).await?,
+                    _ => {}
+                }
             }
-            calling(args, server, &mut all[2], &ask).await?;
+            if args.against_empty {
+                continue;
+            }
             pacing(args, server, &mut all[7], ask.clone()).await?;
             if args.streams_beside > 0 {
                 let beside = Beside::start(args, &planner.endpoint)?;
@@ -145,11 +159,15 @@ fn run(args: &Args) -> Result<Vec<Value>, Failed> {
         }
         Ok::<_, Failed>(())
     })?;
-    let rate = |measured: &Measured| measured.plans as f64 / measured.seconds;
-    let of_empty = rate(&all[0]);
+    let empties = all[0].rates.clone();
     let measured = all.iter_mut().zip(NAMES).filter(|(measured, _)| measured.plans > 0);
     let rows = measured.map(|(measured, name)| {
-        let rate = rate(measured);
+        let rate = measured.plans as f64 / measured.seconds;
+        // Round by round: a machine that is slow for a while is so for both.
+        let mut of_empty: Vec<f64> =
+            measured.rates.iter().zip(&empties).map(|(rate, empty)| rate / empty).collect();
+        of_empty.sort_unstable_by(f64::total_cmp);
+        let quarter = |share: usize| of_empty.get(of_empty.len() * share / 4).copied();
         measured.times.sort_unstable();
         measured.late.sort_unstable();
         let at = |times: &[u32], share: f64| {
@@ -157,7 +175,8 @@ fn run(args: &Args) -> Result<Vec<Value>, Failed> {
         };
         let (answered, late) = (|share| at(&measured.times, share), |share| at(&measured.late, share));
         json!({
-            "name": name, "perSecond": rate, "ofEmpty": Some(rate / of_empty).filter(|ratio| ratio.is_finite()),
+            "name": name, "perSecond": rate, "ofEmpty": quarter(2),
+            "ofEmptyQuarters": [quarter(1), quarter(3)],
             "perCoreSecond": measured.plans as f64 / (measured.server + measured.asking),
             "serverCpuNsEach": 1e9 * measured.server / measured.plans as f64,
             "askingCpuNsEach": 1e9 * measured.asking / measured.plans as f64,
@@ -203,11 +222,12 @@ fn print_row(row: &Value) {
     let number = |key: &str| row[key].as_f64().unwrap_or(f64::NAN);
     // Of streams nothing is timed.
     let time = |key: &str| row[key].as_f64().map_or_else(|| "-".to_owned(), |time| format!("{time:.0}"));
+    let ratio = |of: &Value| of.as_f64().map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.2}"));
     println!(
         "{:<34} {:>10.0}/s {:>8} of empty {:>9.0} per core-second  p50 {:>7} p99 {:>7} p99.9 {:>7} us  CPU {:>5.2} server {:>5.2} asking",
         row["name"].as_str().unwrap_or_default(),
         number("perSecond"),
-        row["ofEmpty"].as_f64().map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.2}")),
+        ratio(&row["ofEmpty"]),
         number("perCoreSecond"),
         time("p50Us"),
         time("p99Us"),
@@ -215,6 +235,10 @@ fn print_row(row: &Value) {
         number("serverCpu"),
         number("askingCpu")
     );
+    if row["ofEmpty"].is_number() {
+        let [least, most] = [0, 1].map(|end| ratio(&row["ofEmptyQuarters"][end]));
+        println!("{:<34} of empty, round by round: half of them from {least} to {most}", "");
+    }
     if row["lateP99Us"].is_number() {
         println!(
             "{:<34} of that, until the call was sent: p50 {} p99 {} p99.9 {} us",
