@@ -4,6 +4,7 @@
 //! - [`Client`]: asks a server for plans, and opens streams
 //! - [`Client::plan_many`], [`Client::plan_all`]: many plans over one stream
 //! - [`Setpoints`]: the cycles of a stream in order; a gap is an error, not a shrug
+//! - [`Servers`]: who may serve a stream, and in which order they are asked
 //! - [`Buffer`]: the rule by which an axis accepts setpoints, for those who own the clock: no allocation, no waiting
 //! - [`Client::control`], [`control`]: operations on a stream that an axis has opened
 //! - [`Client::watch`]: streams as they run, for those who only look on
@@ -23,6 +24,7 @@ mod link;
 mod many;
 mod record;
 mod revision;
+mod servers;
 mod setpoints;
 mod shared;
 mod starved;
@@ -50,9 +52,10 @@ pub use link::{Link, Reports};
 pub use many::{Answers, Asking};
 pub use record::Record;
 pub use revision::Revision;
+pub use servers::Servers;
 pub use setpoints::Setpoints;
 use shared::{Place, Trial};
-pub use uplink::{Next, Servers, Uplink};
+pub use uplink::{Next, Uplink};
 pub use watch::Watching;
 
 /// A connection to one server.

@@ -9,8 +9,8 @@ use tokio::sync::mpsc;
 use tokio::task::{AbortHandle, JoinSet};
 use tokio::time::{Instant, Sleep};
 
-use crate::failover::{Action, DEFAULT_PATIENCE, Failover, Feed, News};
-use crate::{Client, Connect, Error, Link, link};
+use crate::failover::{Action, Failover, Feed, News};
+use crate::{Client, Error, Link, Servers, link};
 
 /// What comes next on a stream, whoever serves it.
 #[derive(Debug)]
@@ -19,25 +19,6 @@ pub enum Next {
     Feed(Feed),
     /// For whoever runs the axis.
     News(News),
-}
-
-/// The servers that may serve a stream.
-#[derive(Clone, Debug)]
-pub struct Servers {
-    /// Where they are, in the order in which they are asked.
-    pub endpoints: Vec<String>,
-    /// How they are connected to.
-    pub connect: Connect,
-    /// How long one that goes on is looked for, once there is none.
-    pub patience: Duration,
-}
-
-impl Servers {
-    /// Connected to without encryption, with the [patience](DEFAULT_PATIENCE) that does for a process that is started again.
-    #[must_use]
-    pub fn at(endpoints: Vec<String>) -> Self {
-        Self { endpoints, connect: Connect::new(), patience: DEFAULT_PATIENCE }
-    }
 }
 
 /// A stream over gRPC that outlives its servers: [`Failover`], and the connections that it asks for.
