@@ -224,7 +224,7 @@ impl Plan {
         let mut invalid = InvalidFields::default();
         let mut axes = Vec::with_capacity(self.axes.len());
         for (index, axis) in self.axes.iter().enumerate() {
-            axes.extend(invalid.take(&Field::element("axes", index), axis.with_closing_stop()));
+            axes.extend(invalid.take_element("axes", index, axis.with_closing_stop()));
         }
         if !invalid.is_empty() {
             return Err(invalid);
@@ -290,7 +290,10 @@ impl Sampler<'_> {
     }
 
     /// Fills columns, position to jerk, with the setpoints of axis number `axis` at as many cycles, from `first` on; as many as the
-    /// shortest has room for.
+    /// shortest has room for. From the last cycle on that is the end of the motion.
+    ///
+    /// # Panics
+    /// Where the plan has no such axis.
     ///
     /// ```
     /// # use planner::{AxisKind, AxisPlan, CycleTime, Limits, Method, Plan, Problem, ShortPathPolicy, State, plan_move};
@@ -315,7 +318,8 @@ impl Sampler<'_> {
         let [position, velocity, acceleration, jerk] = columns.map(|column| &mut column[..count]);
         let mut done = 0;
         while done < count {
-            let cycle = first + done as u64;
+            // Far behind the end it stays at the end.
+            let cycle = first.saturating_add(done as u64);
             let run = self.run(axis, cycle, (count - done) as u64);
             if let Some(run) = run {
                 let filled = done..done + run.count;

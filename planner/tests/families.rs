@@ -241,6 +241,10 @@ proptest! {
         let filled: Vec<_> =
             (0..each.len()).map(|index| filled.each_ref().map(|column| column[index].to_bits())).collect();
         prop_assert_eq!(filled, each);
+        let mut last = [(); 4].map(|()| [f64::NAN; 3]);
+        plan.sampler().fill(0, u64::MAX - 1, last.each_mut().map(|column| &mut column[..]));
+        let end = plan.sampler().at(plan.cycle_count()).next().unwrap().words();
+        prop_assert!((0..3).all(|index| last.map(|column| column[index].to_bits()) == end.map(f64::to_bits)));
     }
 
     /// No length of time can be taken from one hold and given to none: each is at the distance or at a limit.
