@@ -40,7 +40,7 @@ pub fn plan(request: &Request) -> Result<Plan, InvalidFields> {
     let alone = Method { end_on_cycle: method.end_on_cycle && !synchronised, ..method };
     for (index, axis) in request.axes().iter().enumerate() {
         let planned = plan_axis(axis, alone, request.cycle_time());
-        axes.extend(invalid.take(&Field::element("axes", index), planned));
+        axes.extend(invalid.take_element("axes", index, planned));
     }
     if !invalid.is_empty() {
         return Err(invalid);
@@ -71,7 +71,7 @@ fn between_states(
     for (index, AxisPlan { profile, limits, .. }) in axes.iter().enumerate() {
         let question = AxisTransfer::within_limits(profile.start(), profile.end(), limits);
         let question = question.map_err(|refusal| passage::named(&refusal, limits));
-        questions.extend(invalid.take(&Field::element("axes", index), question));
+        questions.extend(invalid.take_element("axes", index, question));
     }
     invalid.into_result(())?;
     let mut transits = Vec::with_capacity(questions.len());

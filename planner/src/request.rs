@@ -321,8 +321,7 @@ fn checked_axes(
     note_names(invalid, specs.iter().map(|spec| spec.axis.as_str()));
     let mut axes = Vec::with_capacity(given);
     for (index, spec) in specs.into_iter().enumerate() {
-        let outer = Field::element("axes", index);
-        axes.extend(invalid.take(&outer, checked_axis(spec, policy, apart, law)));
+        axes.extend(invalid.take_element("axes", index, checked_axis(spec, policy, apart, law)));
     }
     axes
 }

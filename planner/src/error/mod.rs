@@ -111,6 +111,11 @@ impl InvalidFields {
         result.map_err(|inner| self.extend_within(outer, inner)).ok()
     }
 
+    /// The same, where `outer` is element `index` of a list: of what is right there is no path to be written.
+    pub fn take_element<T>(&mut self, list: &str, index: usize, result: Result<T, Self>) -> Option<T> {
+        result.map_err(|inner| self.extend_within(&Field::element(list, index), inner)).ok()
+    }
+
     /// What is wrong, in the order in which it was found.
     #[must_use]
     pub fn as_slice(&self) -> &[InvalidField] {

@@ -11,7 +11,7 @@ use super::errand::{Errand, UnderWay, closing_begins};
 use super::leg::Turning;
 use super::prove::{Proved, method_of_splice};
 use super::{Kind, Motion, Override, Phase, Refused, Spliced, aimed, each};
-use crate::error::{Field, InvalidFields, Why};
+use crate::error::{InvalidFields, Why};
 use crate::float::largest;
 use crate::passage::{greatest_speed, named};
 use crate::retime::can_be_retimed;
@@ -137,7 +137,7 @@ fn arriving_together(under_way: &UnderWay<'_>) -> Result<Plan, Refused> {
     for (index, (aim, limits)) in aims.iter().zip(&limits).enumerate() {
         let question = AxisTransfer::within_limits(under_way.state(index), aim.goal, limits);
         let question = question.map_err(|refusal| named(&refusal, limits));
-        questions.extend(invalid.take(&Field::element("axes", index), question));
+        questions.extend(invalid.take_element("axes", index, question));
     }
     invalid.into_result(())?;
     let mut transits = Vec::with_capacity(aims.len());

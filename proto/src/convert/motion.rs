@@ -89,7 +89,7 @@ fn base_time_from_wire(wire: Vec<pb::AxisSegment>) -> Result<Option<TimeLaw>, In
     let mut invalid = InvalidFields::default();
     let mut segments = Vec::with_capacity(wire.len());
     for (index, segment) in wire.into_iter().enumerate() {
-        segments.extend(invalid.take(&Field::element("base_time", index), segment_from_wire(segment)));
+        segments.extend(invalid.take_element("base_time", index, segment_from_wire(segment)));
     }
     invalid.into_result(())?;
     TimeLaw::new(segments).map(Some)

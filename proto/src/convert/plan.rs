@@ -69,7 +69,7 @@ pub fn plan_as_it_is(wire: pb::Plan) -> Result<(Plan, InvalidFields), InvalidFie
         return Err(InvalidFields::one(Field::named("axes"), why));
     }
     for (index, axis) in axes.into_iter().enumerate() {
-        domain_axes.extend(invalid.take(&Field::element("axes", index), axis_from_wire(axis)));
+        domain_axes.extend(invalid.take_element("axes", index, axis_from_wire(axis)));
     }
     if !invalid.is_empty() {
         return Err(invalid);
@@ -140,12 +140,12 @@ fn axis_from_wire(wire: pb::AxisPlan) -> Result<AxisPlan, InvalidFields> {
     }
     let mut pieces = Vec::with_capacity(segments.len());
     for (index, segment) in segments.into_iter().enumerate() {
-        pieces.extend(invalid.take(&Field::element("segments", index), segment_from_wire(segment)));
+        pieces.extend(invalid.take_element("segments", index, segment_from_wire(segment)));
     }
     let mut domain_adjustments = Vec::with_capacity(adjustments.len());
     for (index, adjustment) in adjustments.into_iter().enumerate() {
         let adjustment = adjustment_from_wire(adjustment);
-        domain_adjustments.extend(invalid.take(&Field::element("adjustments", index), adjustment));
+        domain_adjustments.extend(invalid.take_element("adjustments", index, adjustment));
     }
     let classification = classification_from_wire(classification.unwrap_or_default());
     let classification = invalid.take(&Field::named("classification"), classification);

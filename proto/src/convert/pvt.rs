@@ -111,7 +111,7 @@ pub fn pvt_from_wire(wire: pb::PlanPvtResponse) -> Result<JudgedPvt, InvalidFiel
             invalid.note(Field::named("axis").within(&Field::element("points", index)).as_str(), Some(why));
             continue;
         }
-        reports.extend(invalid.take(&Field::element("points", index), point_from_wire(point, axis)));
+        reports.extend(invalid.take_element("points", index, point_from_wire(point, axis)));
     }
     invalid.into_result(JudgedPvt::new(plan, reports))
 }
