@@ -47,7 +47,7 @@ impl Judged {
 
     /// Which limits hold the motion back: told when it is asked for, as a motion under way is spliced more often than it is explained.
     #[must_use]
-    pub fn explanation(&self) -> Explanation {
+    pub fn explanation(&self) -> Explanation<'_> {
         explain(&self.plan)
     }
 

@@ -1,4 +1,3 @@
-use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::float::least;
@@ -14,19 +13,19 @@ const BINDING_SLACK: f64 = 1e-9;
 
 /// Why a plan lasts as long as it does.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Explanation {
+pub struct Explanation<'a> {
     /// The axis that sets the duration. Empty of axes that arrive together where none does, but a least duration or a whole number of
     /// cycles.
-    pub critical_axis: String,
+    pub critical_axis: &'a str,
     /// Which limit holds the motion back, when; in order of time for each axis.
-    pub bindings: Vec<Binding>,
+    pub bindings: Vec<Binding<'a>>,
 }
 
 /// One limit that holds one axis back for a while.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Binding {
+pub struct Binding<'a> {
     /// The axis.
-    pub axis: String,
+    pub axis: &'a str,
     /// The quantity whose limit is reached.
     pub quantity: Quantity,
     /// From when \[s\].
@@ -39,13 +38,14 @@ pub struct Binding {
 /// the time. As fast as it can be is a motion that some limit holds back at every instant: its own, or on a line that of any axis. A plan
 /// through points takes as long as they say: no limit holds it back.
 #[must_use]
-pub fn explain(plan: &Plan) -> Explanation {
-    let bindings: Vec<Binding> = match plan.method().pvt {
-        Some(_) => Vec::new(),
-        None => plan.axes().iter().flat_map(bindings).collect(),
-    };
+pub fn explain(plan: &Plan) -> Explanation<'_> {
+    let mut bindings = Vec::new();
+    if plan.method().pvt.is_none() {
+        bindings.reserve(plan.axes().iter().map(|axis| axis.profile.segments().len()).sum());
+        plan.axes().iter().for_each(|axis| note_bindings(axis, &mut bindings));
+    }
     let held_back = |axis: &AxisPlan| {
-        let own = bindings.iter().filter(|binding| binding.axis == axis.axis);
+        let own = bindings.iter().filter(|binding: &&Binding| binding.axis == axis.axis);
         own.fold(0.0, |sum, binding| sum + (binding.to_time - binding.from_time))
     };
     let lasts = |axis: &AxisPlan| axis.profile.duration();
@@ -63,12 +63,12 @@ pub fn explain(plan: &Plan) -> Explanation {
         Synchronization::Phase => covered(&bindings) >= lasts(axis) * (1.0 - FREE_SLACK),
     };
     let critical_axis =
-        slowest.filter(|axis| sets_the_pace(axis)).map(|axis| axis.axis.clone()).unwrap_or_default();
+        slowest.filter(|axis| sets_the_pace(axis)).map(|axis| &*axis.axis).unwrap_or_default();
     Explanation { critical_axis, bindings }
 }
 
 /// For how long some limit of some axis holds the motion back \[s\].
-fn covered(bindings: &[Binding]) -> f64 {
+fn covered(bindings: &[Binding<'_>]) -> f64 {
     let mut spans: Vec<(f64, f64)> =
         bindings.iter().map(|binding| (binding.from_time, binding.to_time)).collect();
     spans.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
@@ -82,8 +82,8 @@ fn covered(bindings: &[Binding]) -> f64 {
     sum
 }
 
-fn bindings(axis: &AxisPlan) -> Vec<Binding> {
-    let mut bindings: Vec<Binding> = Vec::new();
+fn note_bindings<'a>(axis: &'a AxisPlan, bindings: &mut Vec<Binding<'a>>) {
+    let before = bindings.len();
     for (from_time, segment) in axis.profile.timed_segments() {
         let Some(quantity) = binding(&segment, &axis.limits) else { continue };
         let to_time = from_time + segment.duration;
@@ -91,16 +91,15 @@ fn bindings(axis: &AxisPlan) -> Vec<Binding> {
         if to_time <= from_time {
             continue;
         }
-        match bindings.last_mut() {
+        match bindings[before..].last_mut() {
             #[expect(
                 clippy::float_cmp,
                 reason = "the next piece begins at the very number at which this one ended"
             )]
             Some(last) if last.quantity == quantity && last.to_time == from_time => last.to_time = to_time,
-            _ => bindings.push(Binding { axis: axis.axis.clone(), quantity, from_time, to_time }),
+            _ => bindings.push(Binding { axis: &axis.axis, quantity, from_time, to_time }),
         }
     }
-    bindings
 }
 
 /// The limit that one piece is held at from end to end: the lowest derivative that stays at its limit; of a pulse of jerk, which
@@ -133,6 +132,9 @@ fn binding(segment: &Segment, limits: &Limits) -> Option<Quantity> {
         return Some(Quantity::Jerk);
     }
     let Law::Polynomial(law) = segment.law else { return None };
+    if law.order() < 4 {
+        return None;
+    }
     let (start, end) = (segment.derivatives(0.0), segment.derivatives(segment.duration));
     (4..=law.order())
         .find(|&order| {

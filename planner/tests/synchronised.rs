@@ -172,7 +172,7 @@ fn who_sets_the_pace_is_said() {
         for (minimum, critical) in [(0.5 * least, critical), (1.5 * least, "")] {
             let minimum_duration = Some(minimum);
             let asked = RequestSpec { minimum_duration, ..spec(axes(), Family::SCurve, synchronization) };
-            let said = answered(asked).unwrap().explanation().critical_axis.clone();
+            let said = answered(asked).unwrap().explanation().critical_axis.to_owned();
             // Of axes that do not wait for each other one takes longest, whoever asked for that.
             let critical = if synchronization == Synchronization::None { "y" } else { critical };
             assert_eq!(said, critical, "{synchronization:?}, {minimum} s");

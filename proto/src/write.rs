@@ -139,13 +139,21 @@ impl Writer {
         self.bytes.push(0);
         let begin = self.len();
         write(self);
-        let end = self.len();
-        let more = encoded_len_varint((end - begin) as u64) - 1;
-        if more > 0 {
-            self.bytes.resize(end + more, 0);
-            self.bytes.copy_within(begin..end, begin + more);
+        let length = self.len() - begin;
+        if length < 0x80 {
+            self.bytes[begin - 1] = length as u8;
+        } else {
+            self.lengthen(begin, length as u64);
         }
-        encode_varint((end - begin) as u64, &mut &mut self.bytes[begin - 1..]);
+    }
+
+    /// Makes room for the length of a message that begins there, and puts it down.
+    #[cold]
+    fn lengthen(&mut self, begin: usize, length: u64) {
+        let (end, more) = (self.len(), encoded_len_varint(length) - 1);
+        self.bytes.resize(end + more, 0);
+        self.bytes.copy_within(begin..end, begin + more);
+        encode_varint(length, &mut &mut self.bytes[begin - 1..]);
     }
 }
 

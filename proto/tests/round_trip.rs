@@ -48,11 +48,12 @@ fn comes_back(judged: &Judged) -> Result<(), TestCaseError> {
     // What is written is what generated code makes of what is read: no field is lost, or in another place.
     prop_assert_eq!(&wire.encode_to_vec(), &bytes);
     prop_assert_eq!(&proto::fingerprint(&wire)[..], &wire.fingerprint);
+    explained(&wire, judged);
     let back = plan_from_wire(pb::Plan::decode(bytes.clone()).unwrap()).unwrap();
     prop_assert_eq!(&back, judged.plan());
     prop_assert_eq!(proto::encode_plan(&Judged::new(back)), bytes);
     for detail in [proto::Detail::Full, proto::Detail::Motion] {
-        let mut outcomes = proto::Outcomes::with_room(1, detail);
+        let mut outcomes = proto::Outcomes::with_room(1, usize::MAX, detail);
         outcomes.push(&Ok(judged.clone()));
         let sent = outcomes.into_wire().encode_to_vec();
         let read = pb::PlanManyResponse::decode(&*sent).unwrap();
@@ -63,6 +64,22 @@ fn comes_back(judged: &Judged) -> Result<(), TestCaseError> {
     let json = proto::to_json(&wire).unwrap();
     prop_assert_eq!(proto::from_json::<pb::Plan>(&json).unwrap(), wire);
     Ok(())
+}
+
+/// What is only told, and read by nobody here: each field is what it is called.
+fn explained(wire: &pb::Plan, judged: &Judged) {
+    let pb::PlanExplanation { critical_axis, bindings } = wire.explanation.clone().unwrap();
+    let planner::Explanation { critical_axis: axis, bindings: ours } = judged.explanation();
+    assert_eq!((&*critical_axis, bindings.len()), (axis, ours.len()));
+    for (told, ours) in bindings.into_iter().zip(ours) {
+        let pb::plan_explanation::Binding { axis, quantity, from_time, to_time } = told;
+        assert_eq!(
+            (&*axis, from_time.to_bits(), to_time.to_bits()),
+            (ours.axis, ours.from_time.to_bits(), ours.to_time.to_bits())
+        );
+        let name = pb::Quantity::try_from(quantity).unwrap().as_str_name();
+        assert_eq!(name, format!("QUANTITY_{}", ours.quantity.to_string().to_uppercase()));
+    }
 }
 
 fn judged(spec: RequestSpec) -> Judged {
@@ -107,7 +124,7 @@ proptest! {
         };
         let limits = Limits::try_from(spec.clone());
         prop_assume!(limits.is_ok());
-        let wire = pb::AxisLimits::from(&limits.unwrap());
+        let wire = pb::AxisLimits::from(limits.unwrap().spec().clone());
         prop_assert_eq!(LimitsSpec::from(wire), spec);
     }
 

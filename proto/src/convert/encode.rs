@@ -4,8 +4,8 @@
 
 use planner::{
     Adjustment, Alone, AxisPlan, Binding, Certificate, Classification, EndCheck, Explanation, JoinCheck,
-    Judged, JudgedPvt, Law, LimitCheck, Maker, Method, Plan, PvtPointReport, PvtRegion, Reversal, Segment,
-    Workers,
+    Judged, JudgedPvt, Law, LimitCheck, LimitsSpec, Maker, Method, Plan, PvtPointReport, PvtRegion, Reversal,
+    Segment, State, Workers,
 };
 use prost::Message;
 use prost::bytes::Bytes;
@@ -16,7 +16,6 @@ use super::choice::{
     short_path_to_wire, synchronization_to_wire,
 };
 use super::duration::cycle_time_to_wire;
-use super::plan::segment_to_wire;
 use crate::write::{Writer, read};
 use crate::{Detail, Rejected, outgoing, pb};
 
@@ -99,11 +98,13 @@ pub struct Outcomes {
 }
 
 impl Outcomes {
-    /// None yet, with room for so many.
+    /// None yet, with room for so many, though not for more than so many bytes: whoever asks decides on the one, and whoever answers
+    /// on the other.
     #[must_use]
-    pub fn with_room(count: usize, detail: Detail) -> Self {
+    pub fn with_room(count: usize, most_bytes: usize, detail: Detail) -> Self {
         let each = if detail == Detail::Full { HEAD + AXIS } else { HEAD };
-        Self { messages: Messages::with_room(count, count * each), detail }
+        let bytes = count.saturating_mul(each).min(most_bytes);
+        Self { messages: Messages::with_room(count, bytes), detail }
     }
 
     /// What became of the next request, with as much of the plan as is wanted.
@@ -229,16 +230,17 @@ fn foot(writer: &mut Writer, judged: &Judged, detail: Detail) {
     let Maker { planner_version: _, evaluation_version } = plan.maker();
     writer.whole(9, u64::from(*evaluation_version));
     let Method { family, order, short_path, synchronization, end_on_cycle, pvt } = plan.method();
-    let method = pb::PlanMethod {
-        family: family_to_wire(family),
-        order,
-        short_path_policy: short_path_to_wire(short_path),
-        synchronization: synchronization_to_wire(synchronization),
-        end_on_cycle,
-        interpolation: pvt.map_or(0, |pvt| interpolation_to_wire(pvt.interpolation)),
-        policy: pvt.map_or(0, |pvt| policy_to_wire(pvt.policy)),
-    };
-    writer.message(10, &method);
+    writer.nested(10, |writer| {
+        writer.choice(1, family_to_wire(family));
+        writer.whole(2, u64::from(order));
+        writer.choice(3, short_path_to_wire(short_path));
+        writer.choice(4, synchronization_to_wire(synchronization));
+        writer.flag(5, end_on_cycle);
+        if let Some(pvt) = pvt {
+            writer.choice(6, interpolation_to_wire(pvt.interpolation));
+            writer.choice(7, policy_to_wire(pvt.policy));
+        }
+    });
     writer.choices(11, plan.guaranteed().iter().copied().map(quantity_to_wire));
 }
 
@@ -256,25 +258,61 @@ fn axis(writer: &mut Writer, plan: &AxisPlan) {
         plan;
     writer.text(1, axis);
     writer.choice(2, kind_to_wire(*kind));
-    writer.message(3, &pb::AxisLimits::from(limits));
+    writer.nested(3, |writer| self::limits(writer, limits.spec()));
     profile.segments().iter().for_each(|piece| segment(writer, &piece));
-    writer.message(5, &pb::AxisState::from(*goal));
-    writer.message(6, &pb::AxisState::from(profile.end()));
+    writer.nested(5, |writer| state(writer, *goal));
+    writer.nested(6, |writer| state(writer, profile.end()));
     adjustments.iter().for_each(|one| writer.nested(7, |writer| adjustment(writer, one)));
     writer.nested(8, |writer| classification(writer, class, pvt_regions));
 }
 
 /// A [`pb::AxisSegment`].
 fn segment(writer: &mut Writer, segment: &Segment) {
-    let Segment { duration, start, law: Law::Polynomial(derivatives) } = segment else {
-        // Has nothing on the heap.
-        return writer.message(4, &segment_to_wire(segment));
-    };
+    let Segment { duration, start, law } = segment;
     writer.nested(4, |writer| {
         writer.double(1, *duration);
-        writer.message(2, &pb::AxisState::from(*start));
-        writer.nested(4, |writer| writer.doubles(1, derivatives.as_slice()));
+        writer.nested(2, |writer| state(writer, *start));
+        match law {
+            Law::ConstantJerk(jerk) => writer.given_double(3, *jerk),
+            Law::Polynomial(derivatives) => {
+                writer.nested(4, |writer| writer.doubles(1, derivatives.as_slice()));
+            }
+            Law::CosineJerk { peak } => writer.nested(5, |writer| writer.double(1, *peak)),
+        }
     });
+}
+
+/// A [`pb::AxisState`].
+fn state(writer: &mut Writer, state: State) {
+    let State { position, velocity, acceleration } = state;
+    writer.double(1, position);
+    writer.double(2, velocity);
+    writer.double(3, acceleration);
+}
+
+/// A [`pb::AxisLimits`].
+fn limits(writer: &mut Writer, limits: &LimitsSpec) {
+    let LimitsSpec {
+        max_velocity,
+        max_acceleration,
+        max_jerk,
+        max_deceleration,
+        max_velocity_reverse,
+        min_position,
+        max_position,
+        max_snap,
+        max_higher_derivatives,
+        feed_rate,
+    } = limits;
+    writer.double(1, *max_velocity);
+    writer.double(2, *max_acceleration);
+    writer.double(3, *max_jerk);
+    let stated = [max_deceleration, max_velocity_reverse, min_position, max_position, max_snap];
+    for (field, stated) in (4..).zip(stated) {
+        stated.iter().for_each(|stated| writer.given_double(field, *stated));
+    }
+    writer.doubles(9, max_higher_derivatives);
+    feed_rate.iter().for_each(|feed_rate| writer.given_double(10, *feed_rate));
 }
 
 /// A [`pb::Adjustment`].
@@ -345,7 +383,7 @@ fn limit_check(writer: &mut Writer, check: &LimitCheck) {
     led_back_by.iter().for_each(|by| writer.given_double(8, *by));
 }
 
-fn explanation(writer: &mut Writer, explanation: &Explanation) {
+fn explanation(writer: &mut Writer, explanation: &Explanation<'_>) {
     let Explanation { critical_axis, bindings } = explanation;
     writer.text(1, critical_axis);
     for Binding { axis, quantity, from_time, to_time } in bindings {

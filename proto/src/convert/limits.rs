@@ -1,4 +1,4 @@
-use planner::{Limits, LimitsSpec};
+use planner::LimitsSpec;
 
 use crate::pb;
 
@@ -57,11 +57,5 @@ impl From<LimitsSpec> for pb::AxisLimits {
             max_higher_derivatives,
             feed_rate,
         }
-    }
-}
-
-impl From<&Limits> for pb::AxisLimits {
-    fn from(limits: &Limits) -> Self {
-        limits.spec().clone().into()
     }
 }

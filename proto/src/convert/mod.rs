@@ -1,6 +1,7 @@
 //! The only translation between wire types and domain types: both directions of a type stand side by side, and every
 //! field is taken apart by name, so that a field added to the schema stops the build here and nowhere else. Plans, of which there are
-//! many and large ones, go out as bytes (`encode`), and come in as trees.
+//! many and large ones, go out as bytes (`encode`, which has numbers of fields in the place of names; tests hold it to the schema), and
+//! come in as trees.
 //!
 //! From the wire, everything that is wrong is reported at once, with its path (`axes[2].limits.max_jerk`).
 

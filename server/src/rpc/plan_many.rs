@@ -95,7 +95,7 @@ impl Many {
         detail: Detail,
         outgoing: &Outgoing,
     ) -> Result<outgoing::PlanManyResponse, Rejected> {
-        let mut outcomes = Outcomes::with_room(requests.len(), detail);
+        let mut outcomes = Outcomes::with_room(requests.len(), self.most_bytes, detail);
         for wire in requests {
             if outgoing.is_closed() {
                 break;
