@@ -352,6 +352,10 @@ pub(crate) struct TrackArgs {
     /// Have the axis evaluate the motion itself, with the same bits: the stream carries no setpoints.
     #[arg(long)]
     pub(crate) compact: bool,
+    /// Have the axis try the planners in an order that follows from the name of the stream, so that the streams of a plant are
+    /// spread over them.
+    #[arg(long)]
+    pub(crate) spread: bool,
     /// Write down the run, for `portamento replay`, Foxglove and PlotJuggler; or its cycles, as a table.
     #[arg(long, value_name = "FILE.mcap|csv", value_parser = recording)]
     pub(crate) record: Option<PathBuf>,

@@ -32,6 +32,7 @@ mod secured;
 mod shared;
 mod side_port;
 mod simulated;
+mod spread;
 mod standing_services;
 mod synchronised;
 mod told;

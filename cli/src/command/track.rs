@@ -27,6 +27,7 @@ pub(crate) fn run(args: &TrackArgs, server: Server<'_>, screen: &mut Screen<'_>)
         settle_tolerance: args.settle_tolerance,
         accept_unproved: args.accept_unproved,
         compact: args.compact,
+        spread: args.spread,
         ..TrackRequest::new(args.stream.clone(), String::new(), plan)
     };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();

@@ -89,12 +89,14 @@ class SimAxis(Operations):
 
     def track(self, plan: Plan, stream: str = "python", planners: Sequence[str] = ("http://127.0.0.1:50051",), *,
               models: Sequence[sim_axis_pb2.AxisModel] = (), virtual_time: bool = False, stay_open: bool = False,
-              settle_window: float | None = None, lead_cycles: int = 0, accept_unproved: bool = False) -> Run:
-        """Has the axis open a stream at one of ``planners``, as the axis reaches them, and follow ``plan``."""
+              settle_window: float | None = None, lead_cycles: int = 0, accept_unproved: bool = False,
+              compact: bool = False, spread: bool = False) -> Run:
+        """Has the axis open a stream at one of ``planners``, as the axis reaches them, and follow ``plan``. With ``compact`` it
+        evaluates the motion itself; with ``spread`` it tries the planners in an order that follows from the name of the stream."""
         request = sim_axis_pb2.RunTrackingRequest(
             stream=stream, endpoints=planners, plan=plan.message, models=models, virtual_time=virtual_time,
             stay_open=stay_open, settle_window=_duration(settle_window), lead_cycles=lead_cycles,
-            accept_unproved=accept_unproved)
+            accept_unproved=accept_unproved, compact=compact, spread=spread)
         call = self._axis.RunTracking(request)
         # Comes once the stream is open, so that operations find it; a refusal is raised where the run is read.
         call.initial_metadata()

@@ -2971,6 +2971,11 @@ pub struct RunTrackingRequest {
     /// The axis evaluates the motion itself, with the same bits, and the stream carries no setpoints.
     #[prost(bool, tag = "12")]
     pub compact: bool,
+    /// Try the endpoints in an order that follows from the name of the stream, instead of the one in which
+    /// they stand: the streams of a plant are at all replicas alike, and those of one that dies fall on all
+    /// others alike.
+    #[prost(bool, tag = "13")]
+    pub spread: bool,
 }
 impl ::prost::Name for RunTrackingRequest {
     const NAME: &'static str = "RunTrackingRequest";

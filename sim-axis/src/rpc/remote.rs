@@ -142,6 +142,7 @@ fn to_wire(request: TrackRequest) -> pb::RunTrackingRequest {
         stay_open,
         accept_unproved,
         compact,
+        spread,
         patience,
         // How this side is connected to is no matter of the other's.
         connect: _,
@@ -162,6 +163,7 @@ fn to_wire(request: TrackRequest) -> pb::RunTrackingRequest {
         stay_open,
         accept_unproved,
         compact,
+        spread,
         patience: Some(duration(i64::try_from(patience.as_nanos()).unwrap_or(i64::MAX))),
     }
 }

@@ -69,6 +69,7 @@ pub fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Result<Track
         accept_unproved,
         patience,
         compact,
+        spread,
     } = wire;
     let mut faults = Faults::default();
     if let Some(why) = wrong_name(&stream) {
@@ -126,6 +127,7 @@ pub fn track_request(wire: pb::RunTrackingRequest, own: &Models) -> Result<Track
         stay_open,
         accept_unproved,
         compact,
+        spread,
         patience: Duration::from_secs_f64(patience),
         connect: Connect::new(),
         faults: None,

@@ -18,7 +18,8 @@ use crate::model::AxisModel;
 pub struct TrackRequest {
     /// Name of the stream to open.
     pub stream: String,
-    /// Where planners are; tried in order until one opens the stream, and again where the one that serves it is lost.
+    /// Where planners are; tried in order, unless they are to be [spread](Self::spread), until one opens the stream, and again where
+    /// the one that serves it is lost.
     pub endpoints: Vec<String>,
     /// The motion.
     pub plan: Accepted,
@@ -38,6 +39,8 @@ pub struct TrackRequest {
     pub accept_unproved: bool,
     /// Evaluate the motion here, with the same bits, so that the stream carries no setpoints?
     pub compact: bool,
+    /// Try the planners in an [order of the stream's own](Servers::spread_for), so that the streams of a plant are spread over them?
+    pub spread: bool,
     /// How long a planner that goes on is looked for, once there is none.
     pub patience: Duration,
     /// How planners are connected to.
@@ -61,7 +64,8 @@ pub fn default_settle_tolerance(kind: AxisKind) -> f64 {
 impl TrackRequest {
     pub(super) fn servers(&self) -> Servers {
         let (endpoints, connect) = (self.endpoints.clone(), self.connect.clone());
-        Servers { endpoints, connect, patience: self.patience }
+        let servers = Servers { endpoints, connect, patience: self.patience };
+        if self.spread { servers.spread_for(&self.stream) } else { servers }
     }
 
     /// To follow `plan` from the planner at `endpoint`, with ideal axes, in wall-clock time.
@@ -79,6 +83,7 @@ impl TrackRequest {
             stay_open: false,
             accept_unproved: false,
             compact: false,
+            spread: false,
             patience: DEFAULT_PATIENCE,
             connect: Connect::new(),
             faults: None,

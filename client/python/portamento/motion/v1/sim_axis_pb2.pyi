@@ -109,7 +109,7 @@ class Encoder(_message.Message):
     def __init__(self, resolution: _Optional[float] = ...) -> None: ...
 
 class RunTrackingRequest(_message.Message):
-    __slots__ = ("stream", "endpoints", "plan", "models", "lead_cycles", "virtual_time", "settle_window", "settle_tolerance", "stay_open", "accept_unproved", "patience", "compact")
+    __slots__ = ("stream", "endpoints", "plan", "models", "lead_cycles", "virtual_time", "settle_window", "settle_tolerance", "stay_open", "accept_unproved", "patience", "compact", "spread")
     STREAM_FIELD_NUMBER: _ClassVar[int]
     ENDPOINTS_FIELD_NUMBER: _ClassVar[int]
     PLAN_FIELD_NUMBER: _ClassVar[int]
@@ -122,6 +122,7 @@ class RunTrackingRequest(_message.Message):
     ACCEPT_UNPROVED_FIELD_NUMBER: _ClassVar[int]
     PATIENCE_FIELD_NUMBER: _ClassVar[int]
     COMPACT_FIELD_NUMBER: _ClassVar[int]
+    SPREAD_FIELD_NUMBER: _ClassVar[int]
     stream: str
     endpoints: _containers.RepeatedScalarFieldContainer[str]
     plan: _plan_pb2.Plan
@@ -134,7 +135,8 @@ class RunTrackingRequest(_message.Message):
     accept_unproved: bool
     patience: _duration_pb2.Duration
     compact: bool
-    def __init__(self, stream: _Optional[str] = ..., endpoints: _Optional[_Iterable[str]] = ..., plan: _Optional[_Union[_plan_pb2.Plan, _Mapping]] = ..., models: _Optional[_Iterable[_Union[AxisModel, _Mapping]]] = ..., lead_cycles: _Optional[int] = ..., virtual_time: _Optional[bool] = ..., settle_window: _Optional[_Union[datetime.timedelta, _duration_pb2.Duration, _Mapping]] = ..., settle_tolerance: _Optional[float] = ..., stay_open: _Optional[bool] = ..., accept_unproved: _Optional[bool] = ..., patience: _Optional[_Union[datetime.timedelta, _duration_pb2.Duration, _Mapping]] = ..., compact: _Optional[bool] = ...) -> None: ...
+    spread: bool
+    def __init__(self, stream: _Optional[str] = ..., endpoints: _Optional[_Iterable[str]] = ..., plan: _Optional[_Union[_plan_pb2.Plan, _Mapping]] = ..., models: _Optional[_Iterable[_Union[AxisModel, _Mapping]]] = ..., lead_cycles: _Optional[int] = ..., virtual_time: _Optional[bool] = ..., settle_window: _Optional[_Union[datetime.timedelta, _duration_pb2.Duration, _Mapping]] = ..., settle_tolerance: _Optional[float] = ..., stay_open: _Optional[bool] = ..., accept_unproved: _Optional[bool] = ..., patience: _Optional[_Union[datetime.timedelta, _duration_pb2.Duration, _Mapping]] = ..., compact: _Optional[bool] = ..., spread: _Optional[bool] = ...) -> None: ...
 
 class RunTrackingResponse(_message.Message):
     __slots__ = ("samples", "event", "report", "fail_over", "operated")
