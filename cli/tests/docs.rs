@@ -126,7 +126,9 @@ fn every_command_on_every_page_runs() {
             let text = text.replace("portamento-sim-axis &", "portamento-sim-axis & ready 50052");
             writeln!(script, "{text}\necho '{MARK}'").unwrap();
         }
-        let ready = "ready() { until (exec 3<>/dev/tcp/127.0.0.1/$1) 2>/dev/null; do :; done; }\n";
+        // Looked up, not tried: a connection to a port on which nobody listens may begin at that very port, and then takes it.
+        let ready =
+            "ready() { until grep -q \":$(printf %04X $1) 00000000:0000 0A\" /proc/net/tcp; do :; done; }\n";
         let ran = alone(&format!("{ready}{script}"), &place, &path);
         let said = String::from_utf8_lossy(&ran.stdout);
         let errors = String::from_utf8_lossy(&ran.stderr);
