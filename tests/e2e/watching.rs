@@ -31,6 +31,8 @@ async fn what_is_shown_is_what_was_played() {
     let request = TrackRequest {
         models: vec![AxisModel::flexible("x")],
         clock: Clock::Wall,
+        // So that a machine that stands still for a while makes no other story of it.
+        lead_cycles: 250,
         settle_window: 0.05,
         ..TrackRequest::new("cell-7/x", server.endpoint(), planned(move_of(1.0, 0.25)))
     };
